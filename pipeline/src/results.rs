@@ -29,7 +29,7 @@ use crate::exchange::{
     BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult, TargetsResult,
     TransferFunctionResult, VerifiedLoop,
 };
-use crate::recordings::{ReplayedRecording, channel_word};
+use crate::recordings::{ReplayedRecording, channel_label};
 use crate::studies::assumptions::AssumptionEffect;
 use crate::tolerance::ROUNDED_POLE;
 pub use certificate::CertificateResult;
@@ -374,14 +374,14 @@ impl ReplayResult {
     #[must_use]
     pub fn in_words_of(&self, plant: &Parameters) -> Self {
         let named = |channels: &BTreeMap<&'static str, ChannelResult>| {
-            channels.iter().map(|(name, fit)| (channel_word(plant, name), *fit)).collect()
+            channels.iter().map(|(name, fit)| (channel_label(plant, name), *fit)).collect()
         };
         let one = |recording: &RecordingResult| RecordingResult {
             channels: named(&recording.channels),
             free: named(&recording.free),
             parting: recording
                 .parting
-                .map(|found| PartingResult { channel: channel_word(plant, found.channel), ..found }),
+                .map(|found| PartingResult { channel: channel_label(plant, found.channel), ..found }),
             ..recording.clone()
         };
         Self { recordings: self.recordings.iter().map(one).collect() }

@@ -5,7 +5,7 @@ use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{DiagnosisVerdict, FitTable, Hypothesis};
 use counterpoise_diagnose::findings::channel_fits::PooledFits;
 use counterpoise_pipeline::recordings::{
-    RecordingFile, channel_word, diagnose, replay_held_out, replay_improved,
+    RecordingFile, channel_label, diagnose, replay_held_out, replay_improved,
 };
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::{RedesignComparison, verify_redesign};
@@ -94,7 +94,7 @@ fn print_confirmation(loaded: &ProjectOnDisk, replayed: &[RecordingResult]) {
         let ratios: Vec<String> = recording
             .channels
             .iter()
-            .map(|(name, c)| (channel_word(&loaded.project.plant, name), c))
+            .map(|(name, c)| (channel_label(&loaded.project.plant, name), c))
             .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.residual_over_floor))
             .collect();
         say!("  {}: {}", recording.file, ratios.join(", "));
@@ -120,7 +120,7 @@ fn print_held_out(loaded: &ProjectOnDisk, recordings: &[HeldOutText]) {
         );
         for (name, c) in &recording.channels {
             let ratio = c.after_over_floor;
-            let name = channel_word(&loaded.project.plant, name);
+            let name = channel_label(&loaded.project.plant, name);
             say!("    {name:<14} {:12.4e} {:12.4e} {:12.4e} {ratio:16.2}", c.floor, c.before, c.after);
         }
         recording.remarks.iter().for_each(|remark| say!("    {remark}"));
@@ -256,7 +256,7 @@ fn print_fit(loaded: &ProjectOnDisk, fit: &FitTable) {
         "held out after"
     );
     for (channel, before) in fit.before.iter() {
-        let name = channel_word(&loaded.project.plant, channel.name());
+        let name = channel_label(&loaded.project.plant, channel.name());
         let number = |table: &PooledFits| table.get(channel).map_or(f64::NAN, |c| c.rms_error);
         say!(
             "  {name:<14} {:12.4e} {:12.4e} {:12.4e} {:16.4e} {:16.4e}",

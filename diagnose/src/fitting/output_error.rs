@@ -556,7 +556,7 @@ fn covariance_of(information: &Mat) -> Option<Mat> {
 }
 
 /// Returns half the width of the 95 % band of each free function of a fit at its points, effect after effect, empty for other effects; the band is
-/// that of [`confidence_intervals`], carried from the parameters to the values.
+/// that of [`confidence_intervals`], carried from the parameters to the values, and empty if the fit determines none.
 pub fn value_half_widths(fit: &EffectFit, samples: usize, inflation: f64) -> Vec<Vec<f64>> {
     let covariance = covariance_of(&fit.information);
     let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
@@ -579,7 +579,8 @@ pub fn value_half_widths(fit: &EffectFit, samples: usize, inflation: f64) -> Vec
             let value: f64 = rows.iter().zip(&fit.values[own..]).map(|(row, value)| row[k] * value).sum();
             1.96 * fisher.max(coloured).sqrt().hypot(SYSTEMATIC * value)
         };
-        (0..points).map(half).collect()
+        let band: Vec<f64> = (0..points).map(half).collect();
+        if band.iter().all(|half| half.is_finite()) { band } else { Vec::new() }
     };
     fit.effects.iter().map(band).collect()
 }

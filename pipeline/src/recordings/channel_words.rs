@@ -32,7 +32,7 @@ pub fn channel_words(plant: &Parameters, channel: Channel) -> ChannelWords {
 }
 
 /// Returns the name of a channel, given as results have it, as recordings of a machine show it.
-pub fn channel_word<'n>(plant: &Parameters, name: &'n str) -> &'n str {
+pub fn channel_label<'n>(plant: &Parameters, name: &'n str) -> &'n str {
     Channel::ALL
         .into_iter()
         .find(|channel| channel.name() == name)
@@ -62,7 +62,7 @@ mod tests {
         plant.sensors.measured = FeedbackSignal::HubPosition;
         assert_eq!(words(&plant), ("slide_position", "m"));
         assert_eq!(channel_words(&plant, Channel::Demand).unit, "m");
-        assert_eq!(channel_word(&plant, "hub_rate"), "slide_position");
-        assert_eq!(channel_word(&plant, "control"), "control");
+        assert_eq!(channel_label(&plant, "hub_rate"), "slide_position");
+        assert_eq!(channel_label(&plant, "control"), "control");
     }
 }

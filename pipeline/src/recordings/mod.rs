@@ -28,7 +28,7 @@ pub mod residuals;
 pub mod structure_hypotheses;
 pub mod tracks;
 
-pub use channel_words::{ChannelWords, channel_word, channel_words};
+pub use channel_words::{ChannelWords, channel_label, channel_words};
 pub use column_remarks::{ColumnRemark, UnusedColumn};
 pub use diagnose::{DiagnosedRecordings, diagnose};
 pub use held_out_recordings::{HeldOutRecording, replay_held_out};

@@ -63,6 +63,11 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         gyroscope(&mut Words::of(axis, v), &mut plant.sensors.hub_gyro);
         found += measures(plant, FeedbackSignal::HubRate, found);
         v.leave();
+        if axis == AxisKind::Linear {
+            let allowed = "is no sensor of a slide: it measures a rate of rotation";
+            let hint = "write tachometer for a loop of speed, or encoder or resolver for one of position, in its place";
+            v.complain("hub_gyro", allowed, Some(hint.to_owned()));
+        }
     }
     let rate = matches!(measured, FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate);
     if Words::of(axis, v).enter(
