@@ -285,7 +285,7 @@ fn describe_difference(difference: &WeightDifference) -> String {
         let Some(value) = value else { return "not stated".to_owned() };
         value.parse().map_or_else(|_| value.clone(), |number: f64| format_short(number))
     };
-    let path = difference.path.trim_start_matches("synth.").replace('_', " ").replace('.', " ");
+    let path = difference.path.trim_start_matches("synth.").replace(['_', '.'], " ");
     format!("{path} {} (now {})", value(&difference.second), value(&difference.first))
 }
 
