@@ -262,15 +262,18 @@ fn keys_of_a_design_before_the_first_heading_are_kept_and_gone_back_to() {
     let mut bench = bench(&folder);
     rest(&mut bench);
     keep(&mut bench, "dotted");
-    let before = common::text(&bench);
+    let project = |bench: &StudioHarness| bench.state().opened.as_ref().unwrap().session.project().cloned();
+    let before = project(&bench).unwrap();
     let kept = &bench.state().view.history.designs.find("dotted").unwrap().weights;
     assert!(kept.starts_with("reduce.method = \"none\"\n"), "{kept}");
     let path = "reduce.method".to_owned();
     bench.state_mut().run(&Command::SetText { path, value: "balanced".to_owned() });
     set_gain(&mut bench, 31.0);
+    assert_ne!(project(&bench).unwrap(), before);
     bench.state_mut().run(&Command::RestoreDesign { name: "dotted".to_owned() });
     rest(&mut bench);
-    assert_eq!(common::text(&bench), before);
+    assert!(bench.state().opened.as_ref().unwrap().session.errors().is_empty());
+    assert_eq!(project(&bench).unwrap(), before, "every value is back");
     drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
 }
