@@ -43,7 +43,7 @@ impl FileQueue {
     pub fn path_being_opened(&self) -> Option<&Path> {
         match self.running.as_ref()? {
             Command::Open { path } => Some(path),
-            Command::New { folder, .. } => Some(folder),
+            Command::New { folder, .. } | Command::CopyExample { folder, .. } => Some(folder),
             Command::Reload => Some(Path::new("the project again")),
             _ => None,
         }

@@ -10,7 +10,7 @@
 //!
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
-//! Modules in reading order: [`commissioning_inputs`], [`command`], [`editing`], [`versioned_results`], [`jobs`], [`results`], [`units`], [`theme`],
+//! Modules in reading order: [`commissioning_inputs`], [`command`], [`editing`], [`examples`], [`versioned_results`], [`jobs`], [`results`], [`units`], [`theme`],
 //! [`number_format`], [`charts`], [`help`], [`browser`], [`design_overlays`], [`tile_layout`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
 //! [`status_bar`], [`banners`], [`close_question`], [`command_palette`], [`help_window`], [`pages`], [`main_window`], [`frame_log`], [`script`],
 //! [`offscreen`], [`native_window`].
@@ -34,6 +34,7 @@ pub mod command_palette;
 pub mod commissioning_inputs;
 pub mod design_overlays;
 pub mod editing;
+pub mod examples;
 pub mod file_queue;
 pub mod frame_log;
 pub mod help;

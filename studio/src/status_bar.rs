@@ -54,7 +54,7 @@ fn show_hint(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Command>) {
     if ui.small_button("Understood").clicked() {
         queue.push(Command::CloseHint);
     }
-    let text = "Round handles of weights, grips of limits and every number can be dragged; F1 explains what is under the pointer.";
+    let text = "Round handles of weights, grips of limits, titles of plots and every number can be dragged; F1 explains what is under the pointer.";
     ui.add(egui::Label::new(RichText::new(text).small().color(theme.accent)).truncate());
 }
 

@@ -69,7 +69,7 @@ const REJECTION: [PlotTile; 4] = [
 
 impl TilePlace {
     /// Returns the place that a page and its tabs show; `None` if its plots are no tiles.
-    pub fn shown(page: Page, design: DesignTab, verification: VerificationTab) -> Option<Self> {
+    pub fn find(page: Page, design: DesignTab, verification: VerificationTab) -> Option<Self> {
         match (page, design, verification) {
             (Page::Design, DesignTab::Consequences, _) => Some(TilePlace::Consequences),
             (Page::Design, DesignTab::Loop, _) => Some(TilePlace::Loop),
@@ -270,7 +270,7 @@ impl PlotTiles {
         place.plots().iter().filter(is_hidden).copied().collect()
     }
 
-    /// Hides a plot; the last one stays.
+    /// Removes a plot from its layout; the last one stays.
     pub fn hide_plot(&mut self, place: TilePlace, key: &str) {
         self.maximised = None;
         let mut tree = self.take_tree(place);

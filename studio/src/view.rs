@@ -300,7 +300,7 @@ impl StudioView {
 
     /// Returns the place whose plots are tiles, if one is shown.
     pub fn shown_tiles(&self) -> Option<TilePlace> {
-        TilePlace::shown(self.page, self.design_tab, self.verification_tab)
+        TilePlace::find(self.page, self.design_tab, self.verification_tab)
     }
 
     fn arrange_plots(&mut self, command: &Command) {

@@ -8,6 +8,7 @@ mod commissioning;
 mod crash_recovery;
 mod cross_plot;
 mod design_history;
+mod examples;
 mod file_commands;
 mod frame_times;
 mod help;

@@ -225,3 +225,55 @@ fn a_design_that_is_kept_before_it_is_verified_gets_its_figures_and_a_drawn_one_
     drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+#[test]
+fn a_kept_design_is_the_way_back_from_weights_that_give_no_controller() {
+    let folder = rig("history-infeasible");
+    let mut first = bench(&folder);
+    rest(&mut first);
+    keep(&mut first, "good");
+    let good = common::text(&first);
+    let path = "synth.feedback.control.form".to_owned();
+    first.state_mut().run(&Command::SetText { path, value: "lag".to_owned() });
+    first.state_mut().run(&Command::Save);
+    common::wait_for_files(first.state_mut());
+    drop(first);
+    let mut again = common::open_window(studio(&folder));
+    again.state_mut().run(&Command::ShowDesign { tab: DesignTab::History });
+    rest(&mut again);
+    assert!(again.state().results.design.is_none());
+    again.get_by_label("go back to good").click();
+    rest(&mut again);
+    assert_eq!(common::text(&again), good);
+    assert!(again.state().results.design.is_some());
+    drop(again);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn keys_of_a_design_before_the_first_heading_are_kept_and_gone_back_to() {
+    let folder = rig("history-keys");
+    let path = folder.join("project.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let line = "[reduce]\nmethod = \"none\"              # the lumped plant is small as it is\n";
+    assert!(text.contains(line));
+    let dotted = format!("reduce.method = \"none\"\n{}", text.replace(line, ""));
+    std::fs::write(&path, dotted).unwrap();
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    keep(&mut bench, "dotted");
+    let project = |bench: &StudioHarness| bench.state().opened.as_ref().unwrap().session.project().cloned();
+    let before = project(&bench).unwrap();
+    let kept = &bench.state().view.history.designs.find("dotted").unwrap().weights;
+    assert!(kept.starts_with("reduce.method = \"none\"\n"), "{kept}");
+    let path = "reduce.method".to_owned();
+    bench.state_mut().run(&Command::SetText { path, value: "balanced".to_owned() });
+    set_gain(&mut bench, 31.0);
+    assert_ne!(project(&bench).unwrap(), before);
+    bench.state_mut().run(&Command::RestoreDesign { name: "dotted".to_owned() });
+    rest(&mut bench);
+    assert!(bench.state().opened.as_ref().unwrap().session.errors().is_empty());
+    assert_eq!(project(&bench).unwrap(), before, "every value is back");
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}

@@ -32,6 +32,7 @@ shoot() { # NAME SIZE SCALE SECONDS POINTER COMMANDS...
 foot="640 794"
 drag=$(for k in 26 27 28 29 30 31; do printf '{"set":{"path":"synth.feedback.error.gain","value":%s,"gesture":1}}\n' $k; done)
 shoot studio-design 1280x800 1 10 "$foot" '{"keep":{"slot":"A"}}' "$drag" '{"go":{"place":"design"}}'
+shoot studio-history 1280x800 1 14 "$foot" '{"keep-design":{"name":"before the change"}}' '{"set":{"path":"synth.feedback.control.gain","value":2.0}}' '{"overlay-design":{"name":"before the change"}}' '{"look-at-design":{"tab":"history"}}'
 shoot studio-plant 1280x800 1 9 "$foot" '{"go":{"place":"plant"}}'
 shoot studio-reduce 1280x800 1 9 "$foot" '{"set-text":{"path":"reduce.method","value":"balanced"}}' '{"set-whole":{"path":"reduce.order","value":6}}' '{"go":{"place":"reduce"}}'
 shoot studio-verify 1280x800 1 10 "560 220" '{"go":{"place":"verify"}}'

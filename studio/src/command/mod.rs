@@ -82,6 +82,13 @@ pub enum Command {
         #[serde(default)]
         like: Option<String>,
     },
+    /// Writes a copy of an example into a folder of its name, and opens it.
+    CopyExample {
+        /// The name of the example.
+        example: String,
+        /// The folder in which the folder of the copy is made.
+        folder: PathBuf,
+    },
     /// Shows files and folders to choose from.
     Browse {
         /// Kind of file or folder that the user is asked for.

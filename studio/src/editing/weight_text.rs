@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::key_path::section_name;
+use super::key_path::{key_name, section_name};
 
 /// The sections of a project that make a design.
 const DESIGN_SECTIONS: [&str; 2] = ["synth", "reduce"];
@@ -18,48 +18,67 @@ pub struct WeightDifference {
     pub second: Option<String>,
 }
 
-/// A stretch of a text: a section with its heading, or what stands before the first one.
+/// A stretch of a text: a section with its heading, or a key before the first heading.
 pub(crate) struct TextSection<'a> {
-    /// The first part of the section's name; empty before the first heading.
+    /// The first part of the name of the section or of the key; empty before both.
     pub name: String,
     /// The text.
     pub text: &'a str,
+    kind: StretchKind,
 }
 
-/// Returns the sections of a text, which together are the text. The comments directly above a heading belong to its section.
+/// The kind of a stretch of a text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum StretchKind {
+    /// It stands before the first heading.
+    Root,
+    /// It begins with a heading.
+    Headed,
+}
+
+/// Returns the sections of a text, and the keys before the first of them, which together are the text. The comments directly above a heading or
+/// a key belong to it.
 pub(crate) fn split_sections(text: &str) -> Vec<TextSection<'_>> {
-    let mut starts = vec![SectionStart { byte: 0, name: String::new() }];
-    let (mut byte, mut comment) = (0, None);
+    let mut starts = vec![StretchStart { byte: 0, name: String::new(), kind: StretchKind::Root }];
+    let (mut byte, mut comment, mut kind) = (0, None, StretchKind::Root);
     for line in text.split_inclusive('\n') {
-        if let Some(name) = section_name(line) {
+        let heading = section_name(line);
+        if heading.is_some() {
+            kind = StretchKind::Headed;
+        }
+        let key = if kind == StretchKind::Root { key_name(line) } else { None };
+        if let Some(name) = heading.or(key) {
             let name = name.split('.').next().unwrap_or_default().to_owned();
-            starts.push(SectionStart { byte: comment.unwrap_or(byte), name });
+            starts.push(StretchStart { byte: comment.unwrap_or(byte), name, kind });
         }
         comment = if line.starts_with('#') { comment.or(Some(byte)) } else { None };
         byte += line.len();
     }
     let ends: Vec<usize> = starts.iter().skip(1).map(|start| start.byte).chain([text.len()]).collect();
-    let section =
-        |(start, end): (SectionStart, usize)| TextSection { text: &text[start.byte..end], name: start.name };
+    let section = |(start, end): (StretchStart, usize)| {
+        let StretchStart { byte, name, kind } = start;
+        TextSection { text: &text[byte..end], name, kind }
+    };
     starts.into_iter().zip(ends).map(section).collect()
 }
 
-/// The start of a section.
-struct SectionStart {
+/// The start of a stretch.
+struct StretchStart {
     byte: usize,
     name: String,
+    kind: StretchKind,
 }
 
 fn is_design(section: &TextSection) -> bool {
     DESIGN_SECTIONS.contains(&section.name.as_str())
 }
 
-/// Returns the sections of a project's text that make its design, with their comments.
+/// Returns the parts of a project's text that make its design, with their comments.
 pub fn design_sections(text: &str) -> String {
     split_sections(text).into_iter().filter(is_design).map(|section| section.text).collect()
 }
 
-/// Returns everything in a project's text but the sections that make its design.
+/// Returns everything in a project's text but the parts that make its design.
 pub fn other_sections(text: &str) -> String {
     split_sections(text)
         .into_iter()
@@ -68,21 +87,39 @@ pub fn other_sections(text: &str) -> String {
         .collect()
 }
 
-/// Returns a project's text with the sections of its design replaced; they stand where the first of the old ones stood.
+/// Returns a project's text with the parts of its design replaced: keys before the first heading stand before it, and sections where the first of the
+/// old ones stood.
 pub fn replace_design_sections(text: &str, sections: &str) -> String {
-    let (mut out, mut is_written) = (String::new(), false);
+    let part = |kind| {
+        let of_kind = split_sections(sections).into_iter().filter(move |section| section.kind == kind);
+        of_kind.map(|section| section.text).collect::<String>()
+    };
+    let (mut keys, mut headed) = (part(StretchKind::Root), part(StretchKind::Headed));
+    let mut out = String::new();
     for section in split_sections(text) {
-        if !is_design(&section) {
-            out.push_str(section.text);
-        } else if !std::mem::replace(&mut is_written, true) {
-            out.push_str(sections);
+        if section.kind == StretchKind::Headed {
+            push_lines(&mut out, &std::mem::take(&mut keys));
+        }
+        match (is_design(&section), section.kind) {
+            (false, _) => push_lines(&mut out, section.text),
+            (true, StretchKind::Root) => push_lines(&mut out, &std::mem::take(&mut keys)),
+            (true, StretchKind::Headed) => push_lines(&mut out, &std::mem::take(&mut headed)),
         }
     }
-    if !is_written {
-        out.push('\n');
-        out.push_str(sections);
+    push_lines(&mut out, &keys);
+    if !headed.is_empty() {
+        push_lines(&mut out, "\n");
+        push_lines(&mut out, &headed);
     }
     out
+}
+
+/// Adds lines to a text whose last line may have no end.
+fn push_lines(text: &mut String, lines: &str) {
+    if !lines.is_empty() && !text.is_empty() && !text.ends_with('\n') {
+        text.push('\n');
+    }
+    text.push_str(lines);
 }
 
 /// Returns the keys on which two designs differ, in the order of their names; comments, order and spaces are no differences.
@@ -146,6 +183,25 @@ mod tests {
         let text = replace_design_sections(RIG, &changed);
         assert_eq!(design_sections(&text), changed);
         assert_eq!(replace_design_sections("[plant]\n", "[synth]\n"), "[plant]\n\n[synth]\n");
+    }
+
+    #[test]
+    fn keys_before_the_first_heading_belong_to_a_design_too() {
+        let text = "format = 2\n# of the loop\nsynth.loop = \"cascade\"\nverify.step.rate = 1e-3\n\n[plant]\nname = \"a\"\n";
+        let kept = design_sections(text);
+        assert_eq!(kept, "# of the loop\nsynth.loop = \"cascade\"\n");
+        assert_eq!(replace_design_sections(text, &kept), text);
+        let headed = "[synth]\nloop = \"rate\"\n";
+        let changed = replace_design_sections(text, headed);
+        assert_eq!(
+            changed,
+            "format = 2\nverify.step.rate = 1e-3\n\n[plant]\nname = \"a\"\n\n[synth]\nloop = \"rate\"\n"
+        );
+        let back = replace_design_sections(&changed, &kept);
+        assert_eq!(weight_differences(&back, text).unwrap(), []);
+        assert!(back.find("synth.loop").unwrap() < back.find("[plant]").unwrap());
+        let none = replace_design_sections(text, "");
+        assert_eq!(design_sections(&none), "");
     }
 
     #[test]

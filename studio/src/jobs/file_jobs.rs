@@ -12,6 +12,7 @@ use counterpoise_project::{Attachments, Document, STARTER};
 use crate::command::Command;
 use crate::editing::journal::{self, JournalFlush};
 use crate::editing::session::{Session, file_name};
+use crate::examples::Example;
 use crate::jobs::history_file::history_path;
 use crate::settings::ProjectSettings;
 use counterpoise_host::file_check::{modification_time, recordings_beside};
@@ -36,6 +37,13 @@ pub enum FileJob {
         folder: PathBuf,
         /// The kind of machine; `None` for a complete file.
         like: Option<StarterKind>,
+    },
+    /// Writes a copy of an example into a folder of its own, and reads it.
+    CopyExample {
+        /// The example.
+        example: &'static Example,
+        /// The folder in which the copy's folder is made.
+        folder: PathBuf,
     },
     /// Writes a project to its file.
     Save {
@@ -180,6 +188,9 @@ impl ProjectStore {
                 FileJobResult::Reread { path, found }
             }
             FileJob::Create { folder, like } => FileJobResult::Loaded(self.create(&folder, like)),
+            FileJob::CopyExample { example, folder } => {
+                FileJobResult::Loaded(self.copy_example(example, &folder))
+            }
             FileJob::Save { path, text, overwrite } => {
                 let outcome = self.save(&path, &text, &overwrite);
                 FileJobResult::Written { path, text, outcome }
@@ -198,6 +209,19 @@ impl ProjectStore {
             &Document::parse(like.map_or(STARTER, StarterKind::text), PROJECT_FILE),
         )?;
         let mut loaded = self.load(&path)?;
+        loaded.origin = ProjectOrigin::Created;
+        Ok(loaded)
+    }
+
+    fn copy_example(&self, example: &Example, folder: &Path) -> Result<Box<LoadedProject>, String> {
+        let names =
+            (1..).map(|k| if k == 1 { example.name.to_owned() } else { format!("{}-{k}", example.name) });
+        let mut places = names.map(|name| folder.join(name));
+        let place = places.find(|place| !place.exists()).unwrap_or_else(|| folder.to_owned());
+        for file in example.files {
+            self.write_content(&place.join(file.name), file.content)?;
+        }
+        let mut loaded = self.load(&place.join(PROJECT_FILE))?;
         loaded.origin = ProjectOrigin::Created;
         Ok(loaded)
     }
@@ -239,9 +263,13 @@ impl ProjectStore {
     }
 
     fn write(&self, path: &Path, text: &str) -> Result<Option<SystemTime>, String> {
-        files::write_on(self.disk.as_ref(), path, text.as_bytes())
-            .map_err(|error| format!("{} cannot be written: {error}", path.display()))?;
+        self.write_content(path, text.as_bytes())?;
         Ok(modification_time(path))
+    }
+
+    fn write_content(&self, path: &Path, content: &[u8]) -> Result<(), String> {
+        files::write_on(self.disk.as_ref(), path, content)
+            .map_err(|error| format!("{} cannot be written: {error}", path.display()))
     }
 
     fn load(&self, path: &Path) -> Result<Box<LoadedProject>, String> {

@@ -2,8 +2,10 @@
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use counterpoise_host::files::{Disk, read_file, write_on};
+use counterpoise_host::worker::{BackgroundWorker, CancelToken, WakeWindow};
 
 /// Work on the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,6 +56,14 @@ pub fn history_path(project: &Path) -> PathBuf {
 /// Returns whether a file is the history of the designs of a project.
 pub fn is_history(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(".designs.toml"))
+}
+
+/// Reads and writes the file.
+pub type HistoryWorker = BackgroundWorker<HistoryJob, HistoryFile>;
+
+/// Returns a worker that reads and writes the file on a disk.
+pub fn history_worker(wake: &WakeWindow, disk: Arc<dyn Disk>) -> HistoryWorker {
+    BackgroundWorker::new(Arc::clone(wake), move |job, _: &CancelToken| run_history_job(job, disk.as_ref()))
 }
 
 /// Carries out a job on a disk.

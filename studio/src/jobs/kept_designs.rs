@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use counterpoise_host::worker::CancelToken;
+use counterpoise_host::worker::{BackgroundWorker, CancelToken, WakeWindow};
 use counterpoise_pipeline::preview::{DesignPreview, PreviewCache, PreviewRequest, preview_design};
 use counterpoise_pool::Serial;
 use counterpoise_project::{Attachments, Document, Project};
@@ -39,7 +39,16 @@ pub struct RestoredDesign {
 }
 
 /// Computes designs.
-pub fn restore_kept_designs(request: KeptRequest, token: &CancelToken) -> Vec<RestoredDesign> {
+pub type KeptDesignWorker = BackgroundWorker<KeptRequest, Vec<RestoredDesign>>;
+
+/// Returns a worker that computes designs.
+pub fn kept_design_worker(wake: &WakeWindow) -> KeptDesignWorker {
+    BackgroundWorker::new(Arc::clone(wake), |request: KeptRequest, token: &CancelToken| {
+        restore_kept_designs(&request, token)
+    })
+}
+
+fn restore_kept_designs(request: &KeptRequest, token: &CancelToken) -> Vec<RestoredDesign> {
     let mut cache = PreviewCache::default();
     let mut restore = |KeptText { name, text }: &KeptText| {
         if token.is_cancelled() {

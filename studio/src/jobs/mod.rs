@@ -46,8 +46,8 @@ use diagnosis::{DiagnosisWorker, diagnosis_worker};
 use error_lines::ErrorLines;
 use file_jobs::{FileJob, FileJobResult, ProjectStore};
 use folder_listing::{FolderListing, ListingRequest, list_folder};
-use history_file::{HistoryFile, HistoryJob, run_history_job};
-use kept_designs::{KeptRequest, RestoredDesign, restore_kept_designs};
+use history_file::{HistoryWorker, history_worker};
+use kept_designs::{KeptDesignWorker, kept_design_worker};
 use live_design::{TimedPreview, preview_timed};
 use measurements::{MeasurementWorker, PartialCampaign, measurement_worker};
 use overlay_runs::{OverlayRunWorker, overlay_run_worker};
@@ -77,13 +77,13 @@ pub struct BackgroundJobs {
     /// Writes reports.
     pub report: BackgroundWorker<ReportRequest, Result<PathBuf, String>>,
     /// Computes the kept designs of a project that was opened.
-    pub restore: BackgroundWorker<KeptRequest, Vec<RestoredDesign>>,
+    pub restore: KeptDesignWorker,
     /// Computes the named designs that are drawn.
-    pub overlays: BackgroundWorker<KeptRequest, Vec<RestoredDesign>>,
+    pub overlays: KeptDesignWorker,
     /// Runs the drawn designs on the full plant.
     pub overlay_runs: OverlayRunWorker,
     /// Reads and writes the history of designs.
-    pub history: BackgroundWorker<HistoryJob, HistoryFile>,
+    pub history: HistoryWorker,
     /// Writes settings.
     pub settings: BackgroundWorker<Vec<SettingsFile>, ()>,
     /// Diagnoses.
@@ -141,7 +141,7 @@ pub enum DiagnosisNews {
 impl BackgroundJobs {
     /// Starts the workers; they wait for work.
     pub fn new(wake: &WakeWindow, store: ProjectStore) -> Self {
-        let (disk, history_disk) = (Arc::clone(&store.disk), Arc::clone(&store.disk));
+        let disk = Arc::clone(&store.disk);
         let (diagnosis_progress, measurement_progress) =
             (SharedProgress::default(), SharedProgress::default());
         let commissioning_progress = SharedProgress::default();
@@ -158,16 +158,10 @@ impl BackgroundJobs {
             report: BackgroundWorker::new(Arc::clone(wake), |request: ReportRequest, _: &CancelToken| {
                 write_report(&request)
             }),
-            restore: BackgroundWorker::new(Arc::clone(wake), |request: KeptRequest, token: &CancelToken| {
-                restore_kept_designs(request, token)
-            }),
-            overlays: BackgroundWorker::new(Arc::clone(wake), |request: KeptRequest, token: &CancelToken| {
-                restore_kept_designs(request, token)
-            }),
+            restore: kept_design_worker(wake),
+            overlays: kept_design_worker(wake),
             overlay_runs: overlay_run_worker(wake),
-            history: BackgroundWorker::new(Arc::clone(wake), move |job: HistoryJob, _: &CancelToken| {
-                run_history_job(job, history_disk.as_ref())
-            }),
+            history: history_worker(wake, Arc::clone(&store.disk)),
             settings: BackgroundWorker::new(Arc::clone(wake), |files: Vec<SettingsFile>, _: &CancelToken| {
                 write_settings(&files);
             }),

@@ -70,6 +70,12 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         let title = format!("No controller for these weights{rest}");
         widgets::show_error_list(ui, &view.theme, &title, why);
     }
+    show_tabs(ui, view, queue);
+    if view.design_tab == DesignTab::History {
+        // without a design, too: a kept one is the way back from weights that give none
+        let (design, values) = (preview.as_deref(), requirements.values.as_slice());
+        return design_history::show(ui, view, queue, &CurrentDesign { design, values, weights: &weights });
+    }
     let Some((design, age)) = design else {
         if why.is_none() {
             let text = "the first design appears in a moment";
@@ -80,26 +86,13 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     if age == Freshness::Stale && why.is_some() {
         ui.multiply_opacity(0.55);
     }
-    show_tabs(ui, view, queue);
-    match view.design_tab {
-        DesignTab::Consequences => {
-            let shown = ShownDesign { project: &project, design: &design, requirements: &requirements };
-            show_plots(ui, view, queue, &shown, effort.as_ref());
-        }
-        DesignTab::Loop => {
-            let loop_view = shape.as_ref().map(|of| &of.value);
-            loop_charts::show(
-                ui,
-                view,
-                queue,
-                LoopCharts { design: &design, loop_view, requirements: &requirements },
-            );
-        }
-        DesignTab::History => {
-            let shown = CurrentDesign { design: &design, values: &requirements.values, weights: &weights };
-            design_history::show(ui, view, queue, &shown);
-        }
+    let (design, requirements) = (design.as_ref(), &requirements);
+    if view.design_tab == DesignTab::Loop {
+        let loop_view = shape.as_ref().map(|of| &of.value);
+        return loop_charts::show(ui, view, queue, LoopCharts { design, loop_view, requirements });
     }
+    let shown = ShownDesign { project: &project, design, requirements };
+    show_plots(ui, view, queue, &shown, effort.as_ref());
 }
 
 fn show_tabs(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>) {

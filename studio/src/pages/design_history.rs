@@ -29,8 +29,8 @@ const NAME_WIDTH: f32 = 220.0;
 
 /// The design as it stands, with which the kept ones are compared.
 pub struct CurrentDesign<'a> {
-    /// The design.
-    pub design: &'a DesignPreview,
+    /// The design; `None` if there is none.
+    pub design: Option<&'a DesignPreview>,
     /// The requirements of the project.
     pub values: &'a [RequirementValue],
     /// The sections of the project that make the design.
@@ -147,9 +147,18 @@ fn show_heading(
     });
 }
 
-/// Returns the verdicts on the figures of a kept design, by the limits of the project as it stands; those that it lacks are open.
+impl CurrentDesign<'_> {
+    fn controlled_quantity(&self) -> Option<ControlledQuantity> {
+        self.design.map(|design| design.synthesised.controlled)
+    }
+}
+
+/// Returns the verdicts on the figures of a kept design, by the limits of the project as it stands; those that it lacks are open. Without
+/// a design of the project they are those of the day on which it was kept.
 fn current_verdicts(kept: &NamedDesign, now: &CurrentDesign) -> Vec<KeptVerdict> {
-    let controlled = now.design.synthesised.controlled;
+    let Some(controlled) = now.controlled_quantity() else {
+        return kept.verdicts.values().copied().collect();
+    };
     let verdict =
         |value: &RequirementValue| match kept.figures.get(&value.requirement.figure.key_in(controlled)) {
             Some(figure) if value.requirement.limit.distance_to_limit(*figure) >= 0.0 => KeptVerdict::Holds,
@@ -217,7 +226,7 @@ fn show_buttons(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, na
 
 /// Shows margins, RMS rates and the figures of the requirements, each in the colour of the verdict on it.
 fn show_figures(ui: &mut Ui, view: &StudioView, kept: &NamedDesign, now: &CurrentDesign) {
-    let controlled = now.design.synthesised.controlled;
+    let Some(controlled) = now.controlled_quantity() else { return };
     let margins =
         [LoopFigure::GainMargin, LoopFigure::PhaseMargin, LoopFigure::MaxSensitivity, LoopFigure::Crossover];
     let mut figures: Vec<PerformanceFigure> = margins.into_iter().map(PerformanceFigure::Loop).collect();
@@ -276,12 +285,12 @@ fn describe_difference(difference: &WeightDifference) -> String {
         let Some(value) = value else { return "not stated".to_owned() };
         value.parse().map_or_else(|_| value.clone(), |number: f64| format_short(number))
     };
-    let path = difference.path.trim_start_matches("synth.").replace('_', " ").replace('.', " ");
+    let path = difference.path.trim_start_matches("synth.").replace(['_', '.'], " ");
     format!("{path} {} (now {})", value(&difference.second), value(&difference.first))
 }
 
 /// Shows the sensitivity of a kept design over that of the design as it stands.
-fn show_thumbnail(ui: &mut Ui, view: &StudioView, kept: &NamedDesign, design: &DesignPreview) {
+fn show_thumbnail(ui: &mut Ui, view: &StudioView, kept: &NamedDesign, design: Option<&DesignPreview>) {
     let theme = &view.theme;
     let (area, response) = ui.allocate_exact_size(THUMBNAIL, Sense::hover());
     let name = format!("sensitivity of {}", kept.name);
@@ -294,7 +303,9 @@ fn show_thumbnail(ui: &mut Ui, view: &StudioView, kept: &NamedDesign, design: &D
     let curve = |points: Vec<Pos2>, colour: Color32, width: f32| {
         painter.add(egui::Shape::line(points, Stroke::new(width, colour)));
     };
-    if let Some(sensitivity) = design.curves.sensitivities.first() {
+    if let Some(design) = design
+        && let Some(sensitivity) = design.curves.sensitivities.first()
+    {
         let points = design.curves.frequency_hz.iter().zip(&sensitivity.response);
         let decibel = |h: &counterpoise_linalg::C64| 20.0 * h.norm().max(SMALLEST_MODULUS).log10();
         curve(points.map(|(hz, h)| place_in(area, ends, [*hz, decibel(h)])).collect(), theme.weak, 1.0);

@@ -1,6 +1,6 @@
 //! The file browser: a path, what stands there, and recent places; everything can be done by keyboard.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use counterpoise_project::starters::StarterKind;
 use egui::text::{CCursor, CCursorRange};
@@ -9,6 +9,7 @@ use egui::{Key, Modifiers, RichText, Ui};
 use super::recent_places::{self, RecentPlace, list_recent_places, show_recent_places};
 use crate::browser::{Browser, BrowserAction};
 use crate::command::{BrowsePurpose, Command};
+use crate::examples::EXAMPLES;
 use crate::studio::Studio;
 use crate::theme::{WindowTheme, space};
 use counterpoise_host::folders::{FolderItem, ItemKind};
@@ -257,6 +258,7 @@ fn show_buttons(
                 queue.push(Command::New { folder: folder.clone(), like: None });
             }
             queue.extend(new_of_a_kind(ui, new_folder.as_ref()));
+            queue.extend(copy_of_example(ui, &browser.folder()));
         }
         if about.can_close && ui.button("Cancel").on_hover_text("Esc").clicked() {
             choice = BrowserChoice::Cancel;
@@ -285,6 +287,20 @@ fn new_of_a_kind(ui: &mut Ui, folder: Option<&PathBuf>) -> Option<Command> {
         });
     });
     Some(Command::New { folder: folder?.clone(), like: Some(chosen?) })
+}
+
+/// Offers the examples, of which a copy is written into a folder; returns the command of a chosen one.
+fn copy_of_example(ui: &mut Ui, folder: &Path) -> Option<Command> {
+    let mut chosen = None;
+    ui.menu_button("Example ...", |ui| {
+        for example in EXAMPLES {
+            if ui.button(example.title).on_hover_text(example.summary).clicked() {
+                chosen = Some(example.name.to_owned());
+                ui.close();
+            }
+        }
+    });
+    Some(Command::CopyExample { example: chosen?, folder: folder.to_owned() })
 }
 
 /// Returns what is to be said about the path, with its colour.

@@ -17,6 +17,7 @@ use counterpoise_host::journals::journal_path;
 use crate::design_overlays::{HistoryFileState, OverlayName};
 use crate::editing::journal::JournalHeader;
 use crate::editing::session::file_name;
+use crate::examples::find_example;
 use crate::file_queue::{QueuedCommand, is_save};
 use crate::jobs::file_jobs::{
     DiskText, FileJob, FileJobResult, LoadedProject, Overwrite, ProjectOrigin, SaveOutcome,
@@ -126,6 +127,10 @@ impl Studio {
                 let like = like.as_deref().and_then(StarterKind::from_name);
                 FileJob::Create { folder: folder.clone(), like }
             }
+            Command::CopyExample { example, folder } => FileJob::CopyExample {
+                example: find_example(example).ok_or(Some("not copied: there is no such example"))?,
+                folder: folder.clone(),
+            },
             Command::Reload => FileJob::Reread { path: open.ok_or(None)?.path.clone() },
             Command::Save => {
                 let open = writable()?;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use counterpoise_pipeline::preview::DesignPreview;
-use counterpoise_project::Project;
+use counterpoise_project::{Document, Project};
 use counterpoise_verify::measure::{Value, loop_figures};
 use counterpoise_verify::{
     Arrangement, LoopFigure, Model, PerformanceFigure, Quantity, Source, Verdict, Verification,
@@ -160,9 +160,14 @@ impl Studio {
             return Err("another out-of-balance is tried; end the trial first".to_owned());
         }
         let weights = design_sections(opened.session.text());
-        if weights.is_empty() {
+        if weights.is_empty() && !opened.session.document().parts().is_empty() {
             return Err(
                 "the weights stand in a file that the project includes, and are kept there".to_owned()
+            );
+        }
+        if weight_differences(&weights, &weights).is_none() {
+            return Err(
+                "the sections [synth] and [reduce] cannot be taken out of the text by themselves".to_owned()
             );
         }
         let other = self.view.history.designs.find(name);
@@ -195,23 +200,26 @@ impl Studio {
         let Some(now) = opened.session.project() else { return };
         let document = opened.session.document();
         let text = replace_design_sections(document.text(), &kept.weights);
-        let failure = |why: String| format!("the weights of \"{name}\" cannot be restored: {why}");
-        let restored = Project::resolve(&document.with_text(&text), opened.session.attachments());
-        let updated = match restored {
+        match Project::resolve(&document.with_text(&text), opened.session.attachments()) {
             Ok(kept) => {
-                let kept = kept.project;
-                let project = Project { synth: kept.synth, reduce: kept.reduce, ..Project::clone(now) };
-                project.update(document, now).map_err(|error| error.to_string())
-            }
-            Err(errors) => Err(errors.first().map_or_else(String::new, ToString::to_string)),
-        };
-        match updated {
-            Ok(updated) => {
-                self.run(&Command::Replace { text: updated.text().to_owned() });
+                let (synth, reduce) = (kept.project.synth, kept.project.reduce);
+                let project = Project { synth, reduce, ..Project::clone(now) };
+                // comments of the project stay if its values alone can be changed; otherwise the kept text replaces its sections
+                let is_whole = |updated: &Document| {
+                    let read = Project::resolve(updated, opened.session.attachments());
+                    let weights = |of: &Project| (of.synth.clone(), of.reduce);
+                    read.is_ok_and(|read| weights(&read.project) == weights(&project))
+                };
+                let updated = project.update(document, now).ok().filter(is_whole);
+                let text = updated.map_or(text, |updated| updated.text().to_owned());
+                self.run(&Command::Replace { text });
                 self.view
                     .show_message(format!("the weights of \"{name}\" are restored (Ctrl+Z undoes this)"));
             }
-            Err(why) => self.view.show_error(failure(why)),
+            Err(errors) => {
+                let why = errors.first().map_or_else(String::new, ToString::to_string);
+                self.view.show_error(format!("the weights of \"{name}\" cannot be restored: {why}"));
+            }
         }
     }
 

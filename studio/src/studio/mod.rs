@@ -172,6 +172,7 @@ impl Studio {
         match command {
             Command::Open { .. }
             | Command::New { .. }
+            | Command::CopyExample { .. }
             | Command::Close
             | Command::DiscardAndClose
             | Command::Save
