@@ -102,21 +102,21 @@ pub(crate) fn can_show(p: &Parameters, recordings: &[Recording], effect: &Effect
     match effect.effect {
         EffectName::Misalignment => recorded(Channel::PlatformRoll) && recorded(Channel::PlatformYaw),
         EffectName::PositionStiffness => {
-            (effect.parameters.len() > 1) == shows_angle(p, recorded(Channel::HubPosition))
+            let is_shown = recorded(Channel::HubPosition) || acts_along_angle(p);
+            (effect.parameters.len() > 1) == is_shown
         }
         EffectName::Tilt => p.sensors.surge_accelerometer.is_some() && recorded(Channel::PlatformSurge),
         _ => true,
     }
 }
 
-/// Returns whether a recording tells the angle itself and not only how far the machine turns: by a sensor, by gravity, or by what the project has
-/// along the angle.
-fn shows_angle(p: &Parameters, is_recorded: bool) -> bool {
+/// Returns whether something of the machine depends on the angle itself and not only on how far it turns: gravity, a spring, a free function.
+fn acts_along_angle(p: &Parameters) -> bool {
     let lumped = p.lumped.as_ref();
     let along = lumped.is_none_or(|l| {
         l.out_of_balance_kg_m != 0.0 || l.vertical_offset_kg_m != 0.0 || l.position_stiffness_nm_rad != 0.0
     });
-    is_recorded || along || !p.learned.is_empty()
+    along || !p.learned.is_empty()
 }
 
 /// Returns whether a machine with textbook values can have an effect of the textbook's own list: friction there has a scale of its own, whatever the

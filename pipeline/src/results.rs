@@ -370,9 +370,9 @@ pub struct ReplayResult {
 }
 
 impl ReplayResult {
-    /// Returns the same with the channels named as a machine's recordings show them, for people; programs read the names of the channels.
+    /// Names the channels as a machine's recordings show them, for people; programs read the names that they have here.
     #[must_use]
-    pub fn in_words_of(&self, plant: &Parameters) -> Self {
+    pub fn label_channels(&self, plant: &Parameters) -> Self {
         let named = |channels: &BTreeMap<&'static str, ChannelResult>| {
             channels.iter().map(|(name, fit)| (channel_label(plant, name), *fit)).collect()
         };

@@ -79,7 +79,7 @@ pub fn run(options: &ReplayOptions) -> CommandResult {
     for path in &in_parts {
         result.recordings.extend(replay_in_parts(&replayer, path, options)?);
     }
-    let shown = result.in_words_of(&loaded.project.plant);
+    let shown = result.label_channels(&loaded.project.plant);
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise replay {}", loaded.path.display());
         let title = format!("Replay of {}", loaded.project.plant.name);

@@ -106,7 +106,7 @@ impl LearningTask<'_> {
             }
             best = Some(tried);
         }
-        best.filter(|found| makes_sense(found))
+        best.filter(makes_sense)
     }
 
     /// Returns the model with another fit of its first function, fitted to all recordings.

@@ -63,11 +63,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         gyroscope(&mut Words::of(axis, v), &mut plant.sensors.hub_gyro);
         found += measures(plant, FeedbackSignal::HubRate, found);
         v.leave();
-        if axis == AxisKind::Linear {
-            let allowed = "is no sensor of a slide: it measures a rate of rotation";
-            let hint = "write tachometer for a loop of speed, or encoder or resolver for one of position, in its place";
-            v.complain("hub_gyro", allowed, Some(hint.to_owned()));
-        }
+        refuse_on_slide(v, axis);
     }
     let rate = matches!(measured, FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate);
     if Words::of(axis, v).enter(
@@ -113,6 +109,16 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
             "must have one sensor of the loop: hub_gyro, tachometer, encoder, resolver, torque or current",
             Some("remove all of these but one; other sensors of the machine are motor_tachometer, hub_resolver and those of the platform".to_owned()),
         );
+    }
+}
+
+/// Reports a gyroscope on a slide, which does not turn.
+fn refuse_on_slide(v: &mut dyn Visit, axis: AxisKind) {
+    if axis == AxisKind::Linear {
+        let allowed = "is no sensor of a slide: it measures a rate of rotation";
+        let hint =
+            "write tachometer for a loop of speed, or encoder or resolver for one of position, in its place";
+        v.complain("hub_gyro", allowed, Some(hint.to_owned()));
     }
 }
 
