@@ -370,7 +370,7 @@ pub struct ReplayResult {
 }
 
 impl ReplayResult {
-    /// Names the channels as a machine's recordings show them, for people; programs read the names that they have here.
+    /// Returns the result with the channels named as a machine's recordings show them, for people; programs read the names that they have here.
     #[must_use]
     pub fn label_channels(&self, plant: &Parameters) -> Self {
         let named = |channels: &BTreeMap<&'static str, ChannelResult>| {

@@ -56,10 +56,8 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     let digital = plant.sensors.hub_gyro.resolution > 0.0;
     let mut found = 0;
     let gyro = TableField::optional("hub_gyro", "inertial rate of the hub");
-    if Words::of(axis, v).enter(
-        &gyro,
-        Presence::from(measured == FeedbackSignal::HubRate && plant.sensors.hub_gyro != UNKNOWN),
-    ) {
+    let there = measured == FeedbackSignal::HubRate && plant.sensors.hub_gyro != UNKNOWN;
+    if Words::of(axis, v).enter(&gyro, Presence::from(there)) {
         gyroscope(&mut Words::of(axis, v), &mut plant.sensors.hub_gyro);
         found += measures(plant, FeedbackSignal::HubRate, found);
         v.leave();
