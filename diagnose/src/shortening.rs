@@ -25,12 +25,12 @@ pub(crate) fn textbook_samples(
         shortened
     };
     let (usual, longer) = (lengths(TEXTBOOK_SAMPLES_AT_MOST), lengths(2 * TEXTBOOK_SAMPLES_AT_MOST));
-    let grows = longer.iter().zip(&usual).any(|(long, short)| long.len() > short.len());
+    if longer.iter().zip(&usual).all(|(long, short)| long.len() == short.len()) {
+        return TEXTBOOK_SAMPLES_AT_MOST;
+    }
     let prepared = PreparedRecordings::new(&longer, base);
-    let judged = match RecordingReplays::new(base, control, &prepared) {
-        Ok(simulator) if grows => assess_recordings(&simulator, pool, base),
-        _ => None,
-    };
+    let simulator = RecordingReplays::new(base, control, &prepared).ok();
+    let judged = simulator.and_then(|simulator| assess_recordings(&simulator, pool, base));
     let is_late = |(judged, first): (&Assessment, &Recording)| {
         judged.channels.iter().any(|channel| {
             let (first, rest) = channel.residual.split_at(first.len().min(channel.residual.len()));

@@ -5,7 +5,7 @@ use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{DiagnosisVerdict, FitTable, Hypothesis};
 use counterpoise_diagnose::findings::channel_fits::PooledFits;
 use counterpoise_pipeline::recordings::{
-    RecordingFile, channel_label, diagnose, replay_held_out, replay_improved,
+    RecordingFile, channel_label, channel_words, diagnose, replay_held_out, replay_improved,
 };
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::{RedesignComparison, verify_redesign};
@@ -256,7 +256,7 @@ fn print_fit(loaded: &ProjectOnDisk, fit: &FitTable) {
         "held out after"
     );
     for (channel, before) in fit.before.iter() {
-        let name = channel_label(&loaded.project.plant, channel.name());
+        let name = channel_words(&loaded.project.plant, channel).name;
         let number = |table: &PooledFits| table.get(channel).map_or(f64::NAN, |c| c.rms_error);
         say!(
             "  {name:<14} {:12.4e} {:12.4e} {:12.4e} {:16.4e} {:16.4e}",

@@ -555,31 +555,56 @@ fn covariance_of(information: &Mat) -> Option<Mat> {
     })
 }
 
+/// A variable of a fit in a sum of some.
+struct Term {
+    variable: usize,
+    weight: f64,
+}
+
+/// The spread of a fit's values, in the fit's own variables.
+struct FitSpread {
+    covariance: Option<Mat>,
+    sandwich: Option<Mat>,
+    scale: f64,
+}
+
+impl FitSpread {
+    fn of(fit: &EffectFit, samples: usize, inflation: f64) -> Self {
+        let covariance = covariance_of(&fit.information);
+        let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
+        Self { covariance, sandwich, scale: fit.cost.max(1.0) * inflation / samples.max(1) as f64 }
+    }
+
+    /// Returns the variance of a sum of variables, each with its weight: the larger of both estimates; infinite if the fit determines none.
+    fn variance(&self, terms: &[Term]) -> f64 {
+        let of = |matrix: &Mat| {
+            let product = |a: &Term, b: &Term| a.weight * matrix[(a.variable, b.variable)] * b.weight;
+            let row = |a: &Term| terms.iter().map(|b| product(a, b)).sum::<f64>();
+            terms.iter().map(row).sum::<f64>().max(0.0)
+        };
+        let fisher = self.covariance.as_ref().map_or(f64::INFINITY, |c| of(c) * self.scale);
+        fisher.max(self.sandwich.as_ref().map_or(0.0, of))
+    }
+}
+
 /// Returns half the width of the 95 % band of each free function of a fit at its points, effect after effect, empty for other effects; the band is
 /// that of [`confidence_intervals`], carried from the parameters to the values, and empty if the fit determines none.
 pub fn value_half_widths(fit: &EffectFit, samples: usize, inflation: f64) -> Vec<Vec<f64>> {
-    let covariance = covariance_of(&fit.information);
-    let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
-    let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;
+    let spread = FitSpread::of(fit, samples, inflation);
     let mut first = 0;
     let band = |effect: &&'static Effect| {
         let own = first;
         first += effect.parameters.len();
         let rows = value_rows(effect);
-        let points = rows.first().map_or(0, Vec::len);
-        let variance = |of: &Mat, k: usize| {
-            let at = |j: usize| rows[j][k] * effect.parameters[j].size;
-            let sums = (0..rows.len())
-                .map(|i| (0..rows.len()).map(|j| at(i) * of[(own + i, own + j)] * at(j)).sum::<f64>());
-            sums.sum::<f64>().max(0.0)
-        };
         let half = |k: usize| {
-            let fisher = covariance.as_ref().map_or(f64::INFINITY, |c| variance(c, k) * scale);
-            let coloured = sandwich.as_ref().map_or(0.0, |s| variance(s, k));
+            let sized = rows.iter().zip(effect.parameters).enumerate();
+            let terms: Vec<Term> = sized
+                .map(|(j, (row, parameter))| Term { variable: own + j, weight: row[k] * parameter.size })
+                .collect();
             let value: f64 = rows.iter().zip(&fit.values[own..]).map(|(row, value)| row[k] * value).sum();
-            1.96 * fisher.max(coloured).sqrt().hypot(SYSTEMATIC * value)
+            1.96 * spread.variance(&terms).sqrt().hypot(SYSTEMATIC * value)
         };
-        let band: Vec<f64> = (0..points).map(half).collect();
+        let band: Vec<f64> = (0..rows.first().map_or(0, Vec::len)).map(half).collect();
         if band.iter().all(|half| half.is_finite()) { band } else { Vec::new() }
     };
     fit.effects.iter().map(band).collect()
@@ -591,17 +616,13 @@ pub fn value_half_widths(fit: &EffectFit, samples: usize, inflation: f64) -> Vec
 ///
 /// `samples` is the number of residuals that the fit saw, `inflation` how many of them carry the information of one.
 pub fn confidence_intervals(fit: &EffectFit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
-    let covariance = covariance_of(&fit.information);
-    let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
-    let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;
+    let spread = FitSpread::of(fit, samples, inflation);
     let bound = |(j, (parameter, &value)): (usize, (&&'static EffectParameter, &f64))| {
-        let fisher = covariance.as_ref().map_or(f64::INFINITY, |c| c[(j, j)].max(0.0) * scale);
-        let coloured = sandwich.as_ref().map_or(0.0, |s| s[(j, j)].max(0.0));
         let systematic = match parameter.mapping {
             ParameterMapping::Log => SYSTEMATIC / parameter.size,
             ParameterMapping::Linear | ParameterMapping::Whole => SYSTEMATIC * value.abs() / parameter.size,
         };
-        let deviation = fisher.max(coloured).sqrt().hypot(systematic);
+        let deviation = spread.variance(&[Term { variable: j, weight: 1.0 }]).sqrt().hypot(systematic);
         let x = to_variable(parameter, value);
         let [low, high] = [x - 1.96 * deviation, x + 1.96 * deviation];
         [from_variable(parameter, low), from_variable(parameter, high)]

@@ -1,6 +1,6 @@
 //! Structure and pivot: imbalance, inertia, springs, friction at the pivot.
 
-use super::effect::{Effect, EffectKind, parameter};
+use super::effect::{Effect, EffectKind, EffectParameter, parameter};
 use super::names::{Component, EffectName};
 use counterpoise_models::{LumpedStructure, Parameters};
 
@@ -35,6 +35,18 @@ fn recoil_height(p: &Parameters) -> f64 {
 }
 
 /// Out-of-balance, inertia, springs and pivot friction.
+/// Stiffness of a cable or hose between hub and platform.
+const POSITION_STIFFNESS: EffectParameter = parameter!(
+    "stiffness",
+    "N m/rad",
+    [-2.0e4, 2.0e4],
+    300.0,
+    Linear,
+    get | p | lumped_value(p, |l| l.position_stiffness_nm_rad),
+    set | p,
+    v | lumped_set(p, |l| l.position_stiffness_nm_rad = v)
+);
+
 pub(super) static EFFECTS: &[Effect] = &[
     Effect {
         // T_oob = (g + a_p) (mu cos theta_h - nu sin theta_h), another mu (Dholiwar 2007, (5-22))
@@ -110,16 +122,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         component: Component::Structure,
         kind: EffectKind::MissingPhysics,
         parameters: &[
-            parameter!(
-                "stiffness",
-                "N m/rad",
-                [-2.0e4, 2.0e4],
-                300.0,
-                Linear,
-                get | p | lumped_value(p, |l| l.position_stiffness_nm_rad),
-                set | p,
-                v | lumped_set(p, |l| l.position_stiffness_nm_rad = v)
-            ),
+            POSITION_STIFFNESS,
             parameter!(
                 "centre",
                 "rad",
@@ -138,16 +141,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         effect: EffectName::PositionStiffness,
         component: Component::Structure,
         kind: EffectKind::MissingPhysics,
-        parameters: &[parameter!(
-            "stiffness",
-            "N m/rad",
-            [-2.0e4, 2.0e4],
-            300.0,
-            Linear,
-            get | p | lumped_value(p, |l| l.position_stiffness_nm_rad),
-            set | p,
-            v | lumped_set(p, |l| l.position_stiffness_nm_rad = v)
-        )],
+        parameters: &[POSITION_STIFFNESS],
         starts: &[&[400.0]],
     },
     Effect {

@@ -30,8 +30,7 @@ pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) 
     let cost = |value: f64| {
         let channels =
             scene.simulator.residuals(&effect.apply_to(scene.base, &[value]), index, Span::Head, &near);
-        let sum = |m: Vec<ChannelResidual>| m.iter().map(|m| m.relative_rms().max(1.0).ln()).sum();
-        channels.map_or(f64::INFINITY, sum)
+        channels.map_or(f64::INFINITY, |channels| misfit(&channels))
     };
     let (mut low, mut high) = (range[0], range[1]);
     let mut best = low;
@@ -55,8 +54,7 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
     let index = scene.simulator.most_active_recording();
     let played = |parameters: &Parameters, judged: &Assessment| {
         let near = Assessment { source: ControlSource::Playback, ..judged.clone() };
-        let channels = scene.simulator.residuals(parameters, index, Span::Head, &near)?;
-        Some(channels.iter().map(|m| m.relative_rms().max(1.0).ln()).sum::<f64>())
+        scene.simulator.residuals(parameters, index, Span::Head, &near).map(|channels| misfit(&channels))
     };
     let here = played(scene.base, &scene.judged[index])?;
     let cost = |value: f64| {
@@ -77,10 +75,7 @@ pub(crate) fn scan_current_limit(
 ) -> Option<EffectSignature> {
     let effect = effects.iter().copied().find(|effect| effect.effect == EffectName::CurrentLimit)?;
     let most = stall_current_a(scene.base).filter(|_| !scene.sizes.typical && !is_close(scene.judged))?;
-    let far = |judged: &Assessment| {
-        let channels = judged.channels.iter();
-        channels.map(|channel| channel.relative_rms().max(1.0).ln()).sum::<f64>()
-    };
+    let far = |judged: &Assessment| misfit(&judged.channels);
     let index =
         (0..scene.judged.len()).max_by(|&a, &b| far(&scene.judged[a]).total_cmp(&far(&scene.judged[b])))?;
     let cost = |value: f64| {
@@ -91,6 +86,11 @@ pub(crate) fn scan_current_limit(
     let range = CURRENT_LIMIT_SHARES.map(|share| share * most);
     let best = scan_range(scene, range, far(&scene.judged[index]), &cost)?;
     Some(EffectSignature::from_start(effect, vec![best], scene.judged.len()))
+}
+
+/// Returns the sum of the logarithms of the channels' residuals over their noise floors, of which those below count as at it.
+fn misfit(channels: &[ChannelResidual]) -> f64 {
+    channels.iter().map(|channel| channel.relative_rms().max(1.0).ln()).sum()
 }
 
 /// Returns the value in a range at which a cost is least, by points on a logarithmic grid that is refined; `None` if it is not worth refining beside the
