@@ -41,7 +41,7 @@ pub struct RunObservation {
 
 /// One mechanism with its controller, what the certificate says, and what the runs show.
 #[derive(Debug, Clone)]
-pub struct Row {
+pub struct CertificateRow {
     pub seed: u64,
     pub blocks: String,
     pub certificate: CaseCertificate,
@@ -51,7 +51,7 @@ pub struct Row {
     pub kicked: Option<RunObservation>,
 }
 
-impl Row {
+impl CertificateRow {
     /// Returns whether the runs stay quiet: below two noise floors at rest, and without growth in motion.
     pub fn is_quiet(&self) -> bool {
         self.rest.rms <= 2.0 * self.certificate.noise_floor_rad_s && self.motion.growth <= 1.5
@@ -82,7 +82,7 @@ impl Row {
 }
 
 /// Returns the trial of a seed; `None` if no controller exists for its weights.
-pub fn trial(seed: u64, base: &Project) -> Option<Row> {
+pub fn trial(seed: u64, base: &Project) -> Option<CertificateRow> {
     let mut dice = Dice::new(seed);
     let (project, blocks) = draw_case(base, &mut dice);
     let modelled = build_plant_model(&project).ok()?;
@@ -105,7 +105,7 @@ pub fn trial(seed: u64, base: &Project) -> Option<Row> {
     let certificate = found.cases[0].clone();
     let kicked =
         start(&certificate).map(|start| run(&truth, exported.0, exported.1, &still, start, &mut dice));
-    Some(Row { seed, blocks, certificate, rest, motion, kicked })
+    Some(CertificateRow { seed, blocks, certificate, rest, motion, kicked })
 }
 
 /// The start of the motion of a run, once the controller has settled.

@@ -9,9 +9,9 @@ use counterpoise_pipeline::studies::sweep::{
 };
 use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
-use counterpoise_report::sweep::SweepFigure;
+use counterpoise_report::terminal::sweep::sweep_lines;
 use counterpoise_report::wording::code_header::HeaderText;
-use counterpoise_report::{ProvenanceEntry, VerificationContext, robustness, sweep};
+use counterpoise_report::{ProvenanceEntry, VerificationContext, sweep};
 use counterpoise_verify::robustness::{Campaign, FamilyMember};
 use counterpoise_verify::structured::RobustStability;
 use std::path::Path;
@@ -210,8 +210,7 @@ fn finish(named: &NamedCampaign, options: &SweepOptions) -> CommandResult {
     output::write_report(&options.output.join("report.html"), &options.results, &page)?;
     let rows = sweep::sweep_figures(&found);
     if !output::write_list(&options.results, "figures", &rows)? {
-        print(&found, &rows);
-        print_stability(&found);
+        output::print_lines(&sweep_lines(&found, &rows));
         say!("report  {}", options.output.join("report.html").display());
     }
     Ok(verdict_code([found.passing == found.samples()]))
@@ -224,38 +223,6 @@ fn refuse_shards(problem: ShardsProblem) -> Error {
         ),
         ShardsProblem::Inconsistent(cause) => Error::new(cause).context(
             "the shards do not make one campaign: remove those of other cuts, or run the missing ones",
-        ),
-    }
-}
-
-fn print(found: &CampaignResult, rows: &[SweepFigure]) {
-    for row in rows {
-        let (low, high) = (100.0 * row.interval.0, 100.0 * row.interval.1);
-        let worst = row.worst_sample.map_or(String::new(), |k| format!(", worst: --sample {k}"));
-        say!(
-            "{:6.2} % ({low:.1} to {high:.1})  {}: 5 % {}, median {}, 95 % {}{worst}",
-            100.0 * row.share,
-            row.figure,
-            output::format_figure(row.q05),
-            output::format_figure(row.median),
-            output::format_figure(row.q95)
-        );
-        if let Some(worst) = &row.worst_case {
-            let word = if worst.meets { "still meets it" } else { "fails" };
-            say!("           worst case {} ({word}): {}", output::format_figure(worst.value), worst.options);
-        }
-    }
-    let all = found.samples();
-    say!(
-        "shares are of {all} mechanisms; worst cases come from a search from the worst sample inside the ranges"
-    );
-}
-
-fn print_stability(found: &CampaignResult) {
-    match &found.stability {
-        Some(found) => robustness::robustness_lines(found).iter().for_each(|line| say!("linear: {line}")),
-        None => say!(
-            "linear: no worst case, for nothing that enters the linear loop varies, or it is unstable as it is"
         ),
     }
 }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
 use counterpoise_project::Project;
-use counterpoise_tests::certificates::{Row, trial};
+use counterpoise_tests::certificates::{CertificateRow, trial};
 use counterpoise_tests::run_in_parallel;
 use counterpoise_verify::certificate::Stability;
 
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn certify(range: &str) -> Result<Vec<Row>, String> {
+fn certify(range: &str) -> Result<Vec<CertificateRow>, String> {
     let usage = || format!("{range}: write FROM..TO, for example 0..300");
     let (from, to) = range.split_once("..").ok_or_else(usage)?;
     let number = |text: &str| text.parse::<u64>().map_err(|_| usage());
@@ -44,7 +44,7 @@ fn certify(range: &str) -> Result<Vec<Row>, String> {
     Ok(rows)
 }
 
-fn print(rows: &[Row]) {
+fn print(rows: &[CertificateRow]) {
     println!(
         "| seed | blocks | certificate | rest, noise floors | growth in motion | rest, run | cycle, certificate | cycle, run set moving at its amplitude | proof | worst regime |"
     );
@@ -104,8 +104,8 @@ fn print(rows: &[Row]) {
     summary(rows);
 }
 
-fn summary(rows: &[Row]) {
-    let count = |what: &dyn Fn(&&Row) -> bool| rows.iter().filter(what).count();
+fn summary(rows: &[CertificateRow]) {
+    let count = |what: &dyn Fn(&&CertificateRow) -> bool| rows.iter().filter(what).count();
     let quiet = count(&|row| row.is_quiet());
     let stable = count(&|row| row.is_quiet() && row.is_stable());
     println!("\n{} mechanisms, {} contradictions", rows.len(), count(&|row| row.contradicts()));
@@ -113,7 +113,7 @@ fn summary(rows: &[Row]) {
         "quiet: {quiet}, of which called stable: {stable} ({:.1} %)",
         100.0 * stable as f64 / quiet as f64
     );
-    let cycles: Vec<[f64; 2]> = rows.iter().filter_map(Row::cycle_errors).collect();
+    let cycles: Vec<[f64; 2]> = rows.iter().filter_map(CertificateRow::cycle_errors).collect();
     let within = cycles.iter().filter(|[a, f]| a.abs() <= 0.2 && f.abs() <= 0.05).count();
     let certified = count(&|row| row.kicked.is_some());
     let confirmed = count(&|row| row.is_confirmed() == Some(true));

@@ -1,0 +1,58 @@
+//! What `counterpoise sweep` prints of a campaign.
+
+use counterpoise_pipeline::studies::sweep::CampaignResult;
+
+use super::add_line;
+use crate::robustness;
+use crate::sweep::SweepFigure;
+use crate::wording::figures::format_figure;
+
+/// Returns the lines on a campaign: the share of mechanisms that meet each requirement, and the linear worst case.
+pub fn sweep_lines(found: &CampaignResult, rows: &[SweepFigure]) -> Vec<String> {
+    let mut lines = Vec::new();
+    add_shares(&mut lines, found, rows);
+    add_stability(&mut lines, found);
+    lines
+}
+
+fn add_shares(lines: &mut Vec<String>, found: &CampaignResult, rows: &[SweepFigure]) {
+    for row in rows {
+        let (low, high) = (100.0 * row.interval.0, 100.0 * row.interval.1);
+        let worst = row.worst_sample.map_or(String::new(), |k| format!(", worst: --sample {k}"));
+        add_line!(
+            lines,
+            "{:6.2} % ({low:.1} to {high:.1})  {}: 5 % {}, median {}, 95 % {}{worst}",
+            100.0 * row.share,
+            row.figure,
+            format_figure(row.q05),
+            format_figure(row.median),
+            format_figure(row.q95)
+        );
+        if let Some(worst) = &row.worst_case {
+            let word = if worst.meets { "still meets it" } else { "fails" };
+            add_line!(
+                lines,
+                "           worst case {} ({word}): {}",
+                format_figure(worst.value),
+                worst.options
+            );
+        }
+    }
+    let all = found.samples();
+    add_line!(
+        lines,
+        "shares are of {all} mechanisms; worst cases come from a search from the worst sample inside the ranges"
+    );
+}
+
+fn add_stability(lines: &mut Vec<String>, found: &CampaignResult) {
+    match &found.stability {
+        Some(found) => {
+            robustness::robustness_lines(found).iter().for_each(|line| add_line!(lines, "linear: {line}"))
+        }
+        None => add_line!(
+            lines,
+            "linear: no worst case, for nothing that enters the linear loop varies, or it is unstable as it is"
+        ),
+    }
+}
