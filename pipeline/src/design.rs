@@ -19,6 +19,7 @@ use crate::export::{
 use crate::loop_view::{LoopView, loop_view};
 use crate::sight_views::{SightView, view_sight};
 use crate::studies::adaptation_trials::{AdaptationTrials, own_trials};
+use crate::studies::advice::{KeptDesigns, WeightAdvice, advise_changes};
 use crate::studies::comparison::{DesignComparison, compare_designs};
 use crate::{
     DecidedProject, DesignedAxis, FirstDesign, PipelineError, PipelineStage, PlantModel, ProjectIdentity,
@@ -61,6 +62,12 @@ impl DesignStages {
         let Self { modelled, synthesised, procedure, .. } = self;
         let elevation = DesignedAxis { project, plant: &modelled.plant, synthesised, procedure };
         study_two_axes(elevation, self.traverse.as_ref().map(|axis| axis.design.clone()), world)
+    }
+
+    /// Returns what to change for each requirement that fails.
+    fn advise(&self, project: &Project) -> Result<Vec<WeightAdvice>, PipelineError> {
+        let Self { modelled, reduced, procedure, verified, .. } = self;
+        advise_changes(project, modelled, reduced, procedure, verified.verification(), KeptDesigns::Systems)
     }
 }
 
@@ -110,6 +117,8 @@ pub struct CompletedDesign {
     pub adaptation: Option<AdaptationTrials>,
     /// Both axes verified together; `None` if the project has no traverse axis.
     pub two_axes: Option<TwoAxisStudy>,
+    /// The changes that meet a requirement that fails.
+    pub advice: Vec<WeightAdvice>,
 }
 
 /// A design without its verification and code, with everything that a report, a terminal or another program shows of it.
@@ -222,10 +231,11 @@ impl SampledDesign {
     fn export(
         self,
         origin: &CodeOrigin<'_>,
-        verified: VerifiedController,
+        mut verified: VerifiedController,
         stability: StabilityCertificate,
     ) -> Result<DesignStages, PipelineError> {
         let Self { modelled, reduced, synthesised, procedure } = self;
+        verified.take_certificate(&stability);
         let CodeOrigin { project, words, world } = *origin;
         let task = ExportTask { project, modelled: &modelled, verified: &verified, procedure: &procedure };
         let ExportedCode { files, left_out } =
@@ -294,6 +304,7 @@ pub fn design_project(
         )?,
         adaptation: own_trials(project, &stages.modelled, &stages.synthesised, &stages.procedure)?,
         two_axes: stages.two_axes(project, world)?,
+        advice: stages.advise(project)?,
         stages,
     })
 }

@@ -33,3 +33,6 @@ pub(crate) const LEAST_WITH_THREE_DECIMALS: f64 = 0.01;
 
 /// Ratio of the largest value to the smallest from which on an axis of a front is logarithmic: on a linear one most of its designs lie on top of each other.
 pub(crate) const DECADE: f64 = 10.0;
+
+/// Distance of a pole's modulus from 1 below which it is written as a distance: six decimals show fewer than three digits of it.
+pub(crate) const SHOWN_DISTANCE: f64 = 1e-4;

@@ -13,7 +13,7 @@ use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{CodeAgreement, CompiledCodeTest, StepCosts};
 use counterpoise_pipeline::results::{DesignResult, ResultContents};
 use counterpoise_pipeline::studies::advice::KeptDesigns;
-use counterpoise_pipeline::{DesignStages, FirstDesignResult, TwoAxisStudy, World, design_project};
+use counterpoise_pipeline::{CompletedDesign, FirstDesignResult, TwoAxisStudy, World, design_project};
 use counterpoise_pool::Pool;
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::{describe_action, describe_refusal};
@@ -21,9 +21,10 @@ use counterpoise_report::certificate;
 use counterpoise_report::design::DesignRun;
 use counterpoise_report::results::{DesignText, FirstDesignText};
 use counterpoise_report::wording::acceptance::AcceptanceSource;
+use counterpoise_report::wording::certificates::total_cost_lines;
 use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::wording::figures::{describe_figure, describe_unmeasured};
-use counterpoise_report::{ReportOrigin, html_page, of_design, two_axes};
+use counterpoise_report::{ReportOrigin, advice, html_page, of_design, summary, two_axes};
 use counterpoise_verify::{Verdict, Verification};
 use serde::Serialize;
 
@@ -101,7 +102,7 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     let whole = DesignOutput { design: DesignText::new(&designed, result), first_design };
     if !output::write_result(&options.results, &whole)? {
         first_design::print_first_design(&loaded);
-        print(options, &designed.stages);
+        print(options, &designed);
         print_two_axes(&designed);
     }
     compiled.said.iter().for_each(|line| print_message(line));
@@ -119,7 +120,7 @@ pub fn run(options: &DesignOptions) -> CommandResult {
 fn results_of(
     options: &DesignOptions,
     loaded: &ProjectOnDisk,
-    designed: &counterpoise_pipeline::CompletedDesign,
+    designed: &CompletedDesign,
     pool: &dyn Pool,
 ) -> anyhow::Result<DesignResult> {
     let contents = ResultContents {
@@ -130,12 +131,12 @@ fn results_of(
     Ok(DesignResult::complete(&loaded.project, designed, &contents, pool)?)
 }
 
-fn print_two_axes(designed: &counterpoise_pipeline::CompletedDesign) {
+fn print_two_axes(designed: &CompletedDesign) {
     let both = designed.two_axes.iter().flat_map(two_axes::two_axes_lines);
     both.for_each(|line| say!("two axes: {line}"));
 }
 
-fn print_adaptation(designed: &counterpoise_pipeline::CompletedDesign) {
+fn print_adaptation(designed: &CompletedDesign) {
     let action = designed.adaptation.iter().filter_map(describe_action);
     action.for_each(|action| print_message(&format!("adaptation: {action}")));
 }
@@ -172,8 +173,11 @@ fn describe_compiled_code(proofs: &[CompiledCodeTest], costs: &StepCosts) -> Com
     code
 }
 
-fn print(options: &DesignOptions, made: &DesignStages) {
+fn print(options: &DesignOptions, designed: &CompletedDesign) {
+    let made = &designed.stages;
     print_verdicts(made.verified.verification());
+    advice::advice_lines(&designed.advice).iter().for_each(|line| say!("advice: {line}"));
+    total_cost_lines(designed.comparison.total_cost.as_ref()).iter().for_each(|line| say!("{line}"));
     certificate::certificate_lines(&made.stability).iter().for_each(|line| say!("stability: {line}"));
     say!();
     say!("report  {}", options.output.join("report.html").display());
@@ -220,6 +224,7 @@ pub fn print_verdicts(found: &Verification) {
     } else {
         say!("{holds} requirements hold, {fails} fail, {open} not applicable");
     }
+    summary::not_quiet(found).iter().for_each(|line| say!("NOT quiet: {line}"));
 }
 
 fn with_unit(value: f64, unit: &str) -> String {

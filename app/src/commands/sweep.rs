@@ -4,6 +4,7 @@ use crate::output::say;
 use anyhow::{Context, Error, Result, anyhow, bail};
 use clap::Args;
 use counterpoise_host::terminal::print_message;
+use counterpoise_pipeline::studies::certificate::{RegimeRobustness, other_robust_regimes};
 use counterpoise_pipeline::studies::sweep::{
     BesideSamples, CampaignResult, ShardsProblem, campaign_is_stated, merge_shards, worst_cases,
 };
@@ -11,9 +12,9 @@ use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
 use counterpoise_report::wording::code_header::HeaderText;
-use counterpoise_report::{ProvenanceEntry, VerificationContext, robustness, sweep};
+use counterpoise_report::{ProvenanceEntry, VerificationContext, certificate, robustness, sweep};
 use counterpoise_verify::robustness::{Campaign, FamilyMember};
-use counterpoise_verify::structured::RobustStability;
+use counterpoise_verify::structured::{Joints, RobustStability};
 use std::path::Path;
 
 use crate::exit::{CommandResult, ExitStatus, verdict_code};
@@ -63,6 +64,8 @@ struct NamedCampaign {
     identity: ProjectIdentity,
     /// The linear worst case, where the whole campaign is reported.
     stability: Option<RobustStability>,
+    /// The linear worst case in the other cases and regimes.
+    regimes: Vec<RegimeRobustness>,
 }
 
 /// Runs the command.
@@ -103,21 +106,25 @@ fn prepare(options: &SweepOptions) -> Result<NamedCampaign> {
     let designed = pipeline::run_stages(&loaded.project, &HeaderText, &world)?;
     let campaign =
         pipeline::prepare_campaign(&loaded.project, &designed.modelled, &designed.verified, &world)?;
-    let (families, stability) = match options.shard.is_some() || options.sample.is_some() {
-        true => (Vec::new(), None),
-        false => (
-            pipeline::vary_families(&loaded.project, &designed.modelled, &designed.verified, &world)?,
-            pipeline::robust_stability(
-                &loaded.project,
-                &designed.modelled,
-                designed.verified.controller(),
-                &world,
-            )?,
-        ),
+    let mut named = NamedCampaign {
+        name: String::new(),
+        families: Vec::new(),
+        identity: ProjectIdentity::of(&loaded.project, &loaded.project_folder()),
+        stability: None,
+        regimes: Vec::new(),
+        designed,
+        campaign,
     };
-    let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
-    let name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), identity.hash, campaign.len());
-    Ok(NamedCampaign { designed, campaign, name, families, identity, stability })
+    named.name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), named.identity.hash, named.campaign.len());
+    if options.shard.is_none() && options.sample.is_none() {
+        let (project, designed) = (&loaded.project, &named.designed);
+        named.families = pipeline::vary_families(project, &designed.modelled, &designed.verified, &world)?;
+        named.stability =
+            pipeline::robust_stability(project, &designed.modelled, designed.verified.controller(), &world)?;
+        named.regimes =
+            other_robust_regimes(project, &designed.modelled, &designed.synthesised, &designed.procedure)?;
+    }
+    Ok(named)
 }
 
 /// One of the parts into which a campaign is divided.
@@ -189,6 +196,7 @@ fn finish(named: &NamedCampaign, options: &SweepOptions) -> CommandResult {
         worst: worst_cases(&named.campaign, &samples, &ProgressPool::new(ProgressDisplay::Quiet))?,
         families: named.families.clone(),
         stability: named.stability.clone(),
+        regimes: named.regimes.clone(),
     };
     let found = CampaignResult::new(&named.campaign, &samples, others);
     let nominal = named.designed.verified.verification();
@@ -252,12 +260,23 @@ fn print(found: &CampaignResult, rows: &[SweepFigure]) {
 }
 
 fn print_stability(found: &CampaignResult) {
+    if let Some(least) = found.least_robust() {
+        say!("linear: {}", sweep::robustness_limit(least));
+    }
     match &found.stability {
-        Some(found) => robustness::robustness_lines(found).iter().for_each(|line| say!("linear: {line}")),
+        Some(own) => {
+            let is_at_rest = |at: &RegimeRobustness| at.joints == Joints::AtRest;
+            let joints =
+                if found.regimes.iter().any(is_at_rest) { Joints::Sliding } else { Joints::Frictionless };
+            let heading = certificate::worst_case_heading(joints);
+            robustness::robustness_lines(own).iter().for_each(|line| say!("{heading}: {line}"));
+        }
+        None if !found.regimes.is_empty() => {}
         None => say!(
             "linear: no worst case, for nothing that enters the linear loop varies, or it is unstable as it is"
         ),
     }
+    certificate::robustness_lines(&found.regimes).iter().for_each(|line| say!("linear: {line}"));
 }
 
 /// One sample, for another program.

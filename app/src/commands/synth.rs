@@ -25,11 +25,11 @@ use counterpoise_host::interrupt;
 use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_plot::number::short_number;
-use counterpoise_report::alternatives::drop_small_sign;
 use counterpoise_report::results::{ComparisonText, FirstDesignText, SynthText};
 use counterpoise_report::trade_off::VerifiedPoint;
-use counterpoise_report::wording::certificates::describe_cost_source;
+use counterpoise_report::wording::certificates::total_cost_lines;
 use counterpoise_report::wording::design_findings::describe_design_findings;
+use counterpoise_report::wording::figures::{describe_modulus, drop_small_sign};
 use counterpoise_report::wording::schedule::{describe_conditions, describe_law};
 use counterpoise_report::wording::weights::describe_weights;
 use counterpoise_report::{of_synthesis, trade_off};
@@ -130,7 +130,11 @@ fn print_design(result: &SynthText) {
     say!("design plant of order {}", figures.plant_order);
     figures.path_orders.iter().for_each(|(name, order)| say!("{name}: order {order}"));
     let largest = figures.largest_pole_modulus;
-    say!("closed sampled loop: {} poles, largest modulus {largest:.6}", figures.closed_loop_poles.len());
+    say!(
+        "closed sampled loop: {} poles, largest modulus {}",
+        figures.closed_loop_poles.len(),
+        describe_modulus(largest)
+    );
     if let Some(difference) = figures.cost_difference {
         say!("predicted cost and cost of the assembled loop differ by {difference:.1e}");
     }
@@ -161,7 +165,10 @@ pub fn print_comparison(study: &SynthesisStudy) {
         let says = if found.largest_pole < 1.0 { "stable" } else { "NOT STABLE" };
         let (modes, order, pole) = (found.modes, found.order, found.largest_pole);
         say!();
-        say!("on the beam with {modes} modes (order {order}): {says}, largest modulus {pole:.6}");
+        say!(
+            "on the beam with {modes} modes (order {order}): {says}, largest modulus {}",
+            describe_modulus(pole)
+        );
     }
 }
 
@@ -192,26 +199,9 @@ fn print_motions(study: &SynthesisStudy) {
 }
 
 fn print_total_cost(beside: &DesignComparison) {
-    let Some(cost) = &beside.total_cost else { return };
-    say!();
-    say!(
-        "total cost of the assembled loop {}, each part's disturbances under its own weights:",
-        short_number(cost.total)
-    );
-    for row in &cost.parts {
-        let best = match (row.best_gain, row.gained_percent) {
-            (Some(gain), Some(gained)) => {
-                format!("; the best gain is {gain:.4}, which lowers the total by {gained:.3} %")
-            }
-            _ => String::new(),
-        };
-        let slope = drop_small_sign(row.slope);
-        say!(
-            "  {:18} {:>10}, slope {slope:+.4} per unit of its gain{best}",
-            describe_cost_source(row.part),
-            short_number(row.cost)
-        );
-    }
+    let lines = total_cost_lines(beside.total_cost.as_ref());
+    lines.first().iter().for_each(|_| say!());
+    lines.iter().for_each(|line| say!("{line}"));
 }
 
 fn print_methods(rows: &[MethodRow], gain_unit: &str) {
