@@ -83,3 +83,20 @@ fn the_version_names_the_commit() {
     assert!(text.contains(env!("CARGO_PKG_VERSION")) && text.contains("commit"), "{text}");
     assert_eq!(String::from_utf8_lossy(&counterpoise(&["-V"]).stdout).lines().count(), 1);
 }
+
+#[test]
+fn a_command_that_finds_no_project_says_how_to_begin_one() {
+    let folder = empty_folder("no_project");
+    for (path, named) in
+        [("nowhere", "counterpoise new nowhere --like"), ("a/project.toml", "counterpoise new a --like")]
+    {
+        let missing = in_folder(&folder, &["design", path]);
+        let told = String::from_utf8_lossy(&missing.stderr).into_owned();
+        assert_eq!(missing.status.code(), Some(2), "{told}");
+        assert!(told.starts_with("error: cannot read the project file") && told.contains(named), "{told}");
+    }
+    fs::write(folder.join("bad.toml"), "[plant]\ngearbox = 1\nnothing = 2\n").unwrap();
+    let told = String::from_utf8_lossy(&in_folder(&folder, &["check", "bad.toml"]).stderr).into_owned();
+    let places = told.lines().filter(|line| line.contains(": error: "));
+    assert!(places.clone().count() > 1 && places.clone().all(|line| line.starts_with("bad.toml:")), "{told}");
+}

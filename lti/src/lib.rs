@@ -77,7 +77,7 @@ pub use gramians::{
 };
 pub use margins::{
     CandidateMargins, DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, candidate_margins,
-    candidate_sensitivity, margins,
+    candidate_sensitivity, margins, provisional_margins,
 };
 pub use multiloop_margins::{MultiloopMargins, multiloop_margins};
 pub use named_blocks::{NamedSystem, SignalTerm, connect};

@@ -161,7 +161,21 @@ impl Margins {
 /// [`Error::NotSiso`]; [`Error::AlgebraicLoop`] if 1 + L(infinity) = 0.
 pub fn margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
     needs_siso("margins", loop_gain)?;
-    let mut scan = Scan::of(loop_gain)?;
+    margins_on(Scan::of(loop_gain)?, loop_gain)
+}
+
+/// Returns the margins of a loop that is shown while it is changed: those of [`margins`], on the grid of [`candidate_margins`], so the answers
+/// differ by rounding and two crossings that are close together may be missed where their margin is more than 26 dB.
+///
+/// # Errors
+/// Those of [`margins`].
+pub fn provisional_margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
+    needs_siso("margins", loop_gain)?;
+    margins_on(Scan::of_candidate(loop_gain)?, loop_gain)
+}
+
+/// Returns the margins that a scan of a loop closes in on.
+fn margins_on(mut scan: Scan, loop_gain: &StateSpace) -> Result<Margins, Error> {
     let unit = StateSpace::gain(Mat::eye(1), loop_gain.timebase)?;
     let closed_poles = poles(&feedback(loop_gain, &unit)?)?;
     let (gain, phase) = crossings(&mut scan, loop_gain);

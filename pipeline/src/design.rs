@@ -19,7 +19,7 @@ use crate::export::{
 use crate::loop_view::{LoopView, loop_view};
 use crate::sight_views::{SightView, view_sight};
 use crate::studies::adaptation_trials::{AdaptationTrials, own_trials};
-use crate::studies::advice::KeptDesigns;
+use crate::studies::advice::{KeptDesigns, WeightAdvice, advise_changes};
 use crate::studies::assumptions::{AssumptionEffects, LoopSystems, assumption_effects, with_those_of_design};
 use crate::studies::comparison::{DesignComparison, compare_designs};
 use crate::{
@@ -82,6 +82,12 @@ impl DesignStages {
         let verified = &self.verified;
         error_budget_result(verified.verification(), &self.modelled.plant, verified.controller(), kept)
     }
+
+    /// Returns what to change for each requirement that fails.
+    fn advise(&self, project: &Project) -> Result<Vec<WeightAdvice>, PipelineError> {
+        let Self { modelled, reduced, procedure, verified, .. } = self;
+        advise_changes(project, modelled, reduced, procedure, verified.verification(), KeptDesigns::Systems)
+    }
 }
 
 /// The controller in every kind of numbers, before any compiler has seen it.
@@ -130,6 +136,8 @@ pub struct CompletedDesign {
     pub adaptation: Option<AdaptationTrials>,
     /// Both axes verified together; `None` if the project has no traverse axis.
     pub two_axes: Option<TwoAxisStudy>,
+    /// The changes that meet a requirement that fails.
+    pub advice: Vec<WeightAdvice>,
     /// The values that the project does not state, and those that its design assumes.
     pub assumptions: Vec<Assumption>,
     /// How much each assumption matters.
@@ -267,10 +275,11 @@ impl SampledDesign {
     fn export(
         self,
         origin: &CodeOrigin<'_>,
-        verified: VerifiedController,
+        mut verified: VerifiedController,
         stability: StabilityCertificate,
     ) -> Result<DesignStages, PipelineError> {
         let Self { modelled, reduced, synthesised, procedure } = self;
+        verified.take_certificate(&stability);
         let CodeOrigin { project, words, world } = *origin;
         let task = ExportTask { project, modelled: &modelled, verified: &verified, procedure: &procedure };
         let ExportedCode { files, left_out } =
@@ -340,6 +349,7 @@ pub fn design_project(
         )?,
         adaptation: own_trials(project, &stages.modelled, &stages.synthesised, &stages.procedure)?,
         two_axes: stages.two_axes(project, world)?,
+        advice: stages.advise(project)?,
         assumptions: with_those_of_design(contents.assumptions, &stages.synthesised),
         assumption_effects: stages.assumption_effects(project, contents, world.pool()),
         error_budget: stages.error_budget(contents.kept)?,

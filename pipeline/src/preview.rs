@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
-use counterpoise_lti::{Margins, StateSpace, margins};
+use counterpoise_lti::{Margins, StateSpace, provisional_margins};
 use counterpoise_pool::{Pool, map};
 use counterpoise_project::Project;
 use counterpoise_verify::linear_loop::closed_loop::resolver_use;
@@ -65,7 +65,7 @@ pub struct DesignPreview {
     pub synthesised: SynthesisedDesign,
     /// The loop broken at the plant's input, for negative feedback.
     pub broken: StateSpace,
-    /// All margins of the feedback loop.
+    /// All margins of the feedback loop, as [`provisional_margins`] gives them.
     pub margins: Margins,
     /// Frequency responses.
     pub curves: Curves,
@@ -400,7 +400,7 @@ impl Responses<'_> {
     fn loop_responses(&self) -> Result<Half, PipelineError> {
         let (feedback, broken) = self.feedback()?;
         let [.., ArrangedLoop { closed: whole, .. }] = self.loops else { return Err(missing_loop()) };
-        let mut margins = margins(broken)?;
+        let mut margins = provisional_margins(broken)?;
         margins.closed_loop_stable &= whole.pole_radius() < 1.0;
         let plant = &self.sampled.plant;
         let curves = Curves::with(plant, &self.sampled.response, self.loops)?;

@@ -7,6 +7,7 @@ use anyhow::{Context, ensure};
 use counterpoise_host::projects;
 use counterpoise_pipeline::recordings::identify;
 use counterpoise_pipeline::studies::adaptation::study_adaptation;
+use counterpoise_pipeline::studies::certificate::other_robust_regimes;
 use counterpoise_pipeline::studies::fra::{
     Analyser, LoopController, LoopUnderTest, MeasurementPlan, ResponseMap, map_recordings,
 };
@@ -87,6 +88,7 @@ fn run_sweep(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result
         worst: worst_cases(&campaign, &samples, world)?,
         families: vary_families(project, modelled, verified, world)?,
         stability: robust_stability(project, modelled, verified.controller(), world)?,
+        regimes: other_robust_regimes(project, modelled, &made.synthesised, &made.procedure)?,
     };
     let found = CampaignResult::new(&campaign, &samples, others);
     Ok(CampaignColumns {

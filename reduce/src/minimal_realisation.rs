@@ -16,7 +16,7 @@ pub struct MinimalRealisation {
     /// States that no input reaches.
     pub unreachable: usize,
     /// States, reachable ones, that no output sees.
-    pub unseen: usize,
+    pub unobservable: usize,
     /// The smallest singular value counted as a coupling, relative to the norm of the scaled system.
     pub smallest_kept: f64,
     /// The largest singular value counted as zero, likewise.
@@ -46,31 +46,31 @@ pub fn minimal_realisation(g: &StateSpace, tolerance: f64) -> Result<MinimalReal
     let reached = reachable_part(&scaled, sizes.0, sizes.1, tolerance, &mut gap)?;
     let unreachable = g.order() - reached.order();
     let seen = reachable_part(&reached.dual(), sizes.0, sizes.2, tolerance, &mut gap)?.dual();
-    let unseen = reached.order() - seen.order();
+    let unobservable = reached.order() - seen.order();
     if g.order() <= PRECISE_STATES && gap.kept < CERTAIN_GAP * gap.dropped.max(f64::EPSILON) {
         return in_32_digits(&scaled, tolerance);
     }
-    Ok(MinimalRealisation::with_gap(seen, unreachable, unseen, &gap))
+    Ok(MinimalRealisation::with_gap(seen, unreachable, unobservable, &gap))
 }
 
 /// Returns the part of a scaled system that is reachable and seen, by staircases in 32 digits.
 fn in_32_digits(g: &StateSpace, tolerance: f64) -> Result<MinimalRealisation, Error> {
     let part = linalg::minimal_part(&g.A, &g.B, &g.C, tolerance).with_step("staircase")?;
     let gap = Gap { kept: part.smallest_kept, dropped: part.largest_dropped };
-    let (unreachable, unseen) = (g.order() - part.reached, part.reached - part.A.nrows());
+    let (unreachable, unobservable) = (g.order() - part.reached, part.reached - part.A.nrows());
     let system = StateSpace::new(part.A, part.B, part.C, g.D.clone(), g.timebase)?;
-    Ok(MinimalRealisation::with_gap(system, unreachable, unseen, &gap))
+    Ok(MinimalRealisation::with_gap(system, unreachable, unobservable, &gap))
 }
 
 impl MinimalRealisation {
     /// Returns a realisation with a warning if the gap leaves its order in doubt.
-    fn with_gap(system: StateSpace, unreachable: usize, unseen: usize, gap: &Gap) -> Self {
+    fn with_gap(system: StateSpace, unreachable: usize, unobservable: usize, gap: &Gap) -> Self {
         let doubtful = gap.dropped > 0.0 && gap.kept < SAFE_GAP * gap.dropped;
         let warning = Warning::SmallGap { kept: gap.kept, dropped: gap.dropped };
         Self {
             system,
             unreachable,
-            unseen,
+            unobservable,
             smallest_kept: gap.kept,
             largest_dropped: gap.dropped,
             warnings: if doubtful { vec![warning] } else { Vec::new() },

@@ -10,8 +10,8 @@ use counterpoise_pipeline::synth::schedule::BalanceRow;
 
 use crate::bode::{BodeCurve, PhasePanel, bode_figure};
 use crate::designs::noise_gain_column;
-use crate::tolerance::SHOWN_AS_ZERO_DB;
 use crate::wording::design_findings::describe_design_findings;
+use crate::wording::figures::{describe_modulus, drop_small_sign};
 use crate::wording::schedule::{describe_conditions, describe_law};
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
@@ -217,17 +217,12 @@ fn laws(rows: &[BalanceRow]) -> ReportTable {
     table
 }
 
-/// Returns a figure in decibels, or 0 if two decimals show it as 0: it is then written without a sign.
-pub fn drop_small_sign(db: f64) -> f64 {
-    if db.abs() < SHOWN_AS_ZERO_DB { 0.0 } else { db }
-}
-
 fn spillover(found: &Spillover) -> ReportSection {
     let says = if found.largest_pole < 1.0 { "stable" } else { "NOT STABLE" };
     ReportSection::new("Modes that the design does not know").with_text(format!(
         "On the finite elements with {} flexible modes (order {}) the sampled loop is {says}: its largest pole has the modulus {}.",
         found.modes,
         found.order,
-        short_number(found.largest_pole)
+        describe_modulus(found.largest_pole)
     ))
 }

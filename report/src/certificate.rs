@@ -10,7 +10,9 @@ use counterpoise_verify::certificate::{
 };
 use counterpoise_verify::structured::Joints;
 
+use crate::robustness::robustness_word;
 use crate::wording::capitalise_first;
+use crate::wording::figures::describe_modulus;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Returns the verdict of a case in a sentence without its full stop.
@@ -139,8 +141,8 @@ pub fn certificate_lines(found: &StabilityCertificate) -> Vec<String> {
 fn loop_words(at: &RegimeLoop) -> String {
     if at.pole_radius >= 1.0 {
         return format!(
-            "unstable: pole of modulus {:.6} at {} Hz, growing by a factor of e in {} s",
-            at.pole_radius,
+            "unstable: pole of modulus {} at {} Hz, growing by a factor of e in {} s",
+            describe_modulus(at.pole_radius),
             short_number(at.frequency_hz),
             short_number(at.growth_time_s())
         );
@@ -177,20 +179,25 @@ fn with_unit_of_size(value: f64, quantity: ControlledQuantity) -> String {
 /// Returns the structured singular value of the further cases and regimes in lines; the design's own case in the sliding regime is the
 /// linear worst case and stands elsewhere.
 pub fn robustness_lines(found: &[RegimeRobustness]) -> Vec<String> {
-    let line = |at: &RegimeRobustness| {
-        let case = match at.joints {
-            Joints::Sliding => format!("{}, sliding friction", at.case),
-            Joints::AtRest => format!("{}, at rest", at.case),
-            Joints::Frictionless => at.case.clone(),
-        };
-        match &at.found {
-            Some(bounds) => {
-                format!("{case}: stable within {} times the stated ranges", short_number(bounds.guaranteed))
-            }
-            None => format!("{case}: the loop is not stable without any deviation"),
-        }
+    let line = |at: &RegimeRobustness| match &at.found {
+        Some(bounds) => format!(
+            "{}: {}: stable within {} times the stated ranges",
+            name_robust_regime(at),
+            robustness_word(bounds),
+            short_number(bounds.guaranteed)
+        ),
+        None => format!("{}: the loop is not stable without any deviation", name_robust_regime(at)),
     };
     found.iter().map(line).collect()
+}
+
+/// Returns a case and a regime of friction in words.
+pub fn name_robust_regime(at: &RegimeRobustness) -> String {
+    match at.joints {
+        Joints::Sliding => format!("{}, sliding friction", at.case),
+        Joints::AtRest => format!("{}, at rest", at.case),
+        Joints::Frictionless => at.case.clone(),
+    }
 }
 
 /// Returns what the lines on the linear worst case of the design's own case begin with.
@@ -237,13 +244,19 @@ fn regimes(found: &StabilityCertificate) -> ReportTable {
             table.rows.push(vec![
                 ReportCell::text(case.name.clone()),
                 ReportCell::text(name_regime(at.regime)),
-                ReportCell::text(format!("{:.6}", at.pole_radius)),
+                ReportCell::text(describe_modulus(at.pole_radius)),
                 ReportCell::number(at.gain_margin_db),
                 ReportCell::number(at.max_sensitivity),
             ]);
         }
     }
     table
+}
+
+/// Returns the section of a report on the other cases and regimes; `None` without any.
+pub fn robustness_of_regimes(found: &[RegimeRobustness]) -> Option<ReportSection> {
+    let section = ReportSection::new("Linear worst case in the other cases and regimes");
+    (!found.is_empty()).then(|| section.with_table(bounds(found)))
 }
 
 fn bounds(found: &[RegimeRobustness]) -> ReportTable {

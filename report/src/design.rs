@@ -1,13 +1,16 @@
 //! The report of a whole design: the verification's, then the plant that was designed for, the weights and the certificates.
 
-use crate::wording::certificates::describe_certified_quantity;
+use crate::advice::advice_section;
+use crate::wording::certificates::{describe_certified_quantity, describe_cost_source};
 use crate::wording::design_findings::describe_design_finding;
+use crate::wording::figures::{describe_modulus, drop_small_sign};
 use crate::wording::reduction::describe_reduction_warning;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::certificates::Certificate;
 use counterpoise_pipeline::design_views::{PlantResponse, WeightResponses};
 use counterpoise_pipeline::export::target_proofs::{CompiledCodeTest, StepCosts};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
+use counterpoise_pipeline::studies::comparison::TotalCostResult;
 use counterpoise_pipeline::{CompletedDesign, FirstDesignResult, ReducedPlant, StageTime, SynthesisStudy};
 
 use crate::adaptation::trial_section;
@@ -48,8 +51,9 @@ pub fn of_design(designed: &CompletedDesign, result: &DesignResult, run: &Design
         crate::certificate::certificate_section(&stages.stability, &[]),
         reduction_section(&designed.views.plants, &stages.reduced, stages.synthesised.controlled),
         weight_section(&describe_weights(&designed.asked), &designed.views.weights),
-        certificate_section(&designed.certificates, &result.synth),
+        certificate_section(designed, &result.synth),
     ];
+    more.extend(advice_section(&designed.advice));
     more.extend(run.first_design.map(crate::first_design::first_design_section));
     more.extend(alternatives::alternatives_sections(
         &designed.comparison,
@@ -165,16 +169,41 @@ fn weight_figure(part: &WeightResponses) -> Figure {
     bode_figure(&format!("{}: weights", part.part), "", &curves, PhasePanel::Hidden, Vec::new())
 }
 
-fn certificate_section(certificates: &[Certificate], result: &SynthResult) -> ReportSection {
+fn certificate_section(designed: &CompletedDesign, result: &SynthResult) -> ReportSection {
     let columns =
         [ReportColumn::Text("certificate"), ReportColumn::Number("value"), ReportColumn::Text("verdict")];
     let mut table = ReportTable::new("Certificates", &columns);
-    table.rows = certificates.iter().map(certificate_row).collect();
+    table.rows = designed.certificates.iter().map(certificate_row).collect();
     let mut section = ReportSection::new("Certificates")
         .with_text("Residuals are relative to the terms of their equation; costs are predicted by the equations and found on the assembled loop.")
         .with_table(table);
     section.text.extend(result.warnings.iter().map(describe_design_finding));
+    section.tables.extend(designed.comparison.total_cost.as_ref().map(total_cost_table));
     section
+}
+
+/// The cost of the assembled loop, and whether another gain of a part lowers it.
+fn total_cost_table(cost: &TotalCostResult) -> ReportTable {
+    let columns = [
+        ReportColumn::Text("disturbances of"),
+        ReportColumn::Number("cost"),
+        ReportColumn::Number("slope per unit of its gain"),
+        ReportColumn::Number("best gain"),
+        ReportColumn::Number("lowers the total by [%]"),
+    ];
+    let title = format!("Total cost of the assembled loop: {}", short_number(cost.total));
+    let mut table = ReportTable::new(&title, &columns);
+    let optional = |value: Option<f64>| value.map_or(ReportCell::text(""), ReportCell::number);
+    for row in &cost.parts {
+        table.rows.push(vec![
+            ReportCell::text(describe_cost_source(row.part)),
+            ReportCell::number(row.cost),
+            ReportCell::text(format!("{:+.4}", drop_small_sign(row.slope))),
+            optional(row.best_gain),
+            optional(row.gained_percent),
+        ]);
+    }
+    table
 }
 
 fn certificate_row(certificate: &Certificate) -> Vec<ReportCell> {
@@ -200,7 +229,7 @@ fn order_section(result: &DesignResult) -> ReportSection {
         row(&format!("states of the {name} path"), order.to_string());
     }
     let radius = result.synth.figures.largest_pole_modulus;
-    row("largest modulus of a pole of the closed sampled loop", format!("{radius:.6}"));
+    row("largest modulus of a pole of the closed sampled loop", describe_modulus(radius));
     if let Some(difference) = result.synth.figures.cost_difference {
         row("predicted cost against cost of the assembled loop, relative", format!("{difference:.1e}"));
     }

@@ -2,18 +2,14 @@
 
 use counterpoise_verify::structured::{DestabilisingMechanism, RobustStability};
 
+use crate::wording::figures::describe_modulus;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 /// Returns what was found, a line each: for a terminal and for the section's text.
 pub fn robustness_lines(found: &RobustStability) -> Vec<String> {
-    let unstable = found.found.as_ref().is_some_and(|nearest| nearest.scale < 1.0);
-    let word = match (found.guaranteed >= 1.0, unstable) {
-        (true, _) => "robust",
-        (false, true) => "NOT robust: within the stated ranges the loop can be unstable",
-        (false, false) => "not shown to be robust",
-    };
+    let word = robustness_word(found);
     let mut lines = vec![format!(
         "{word}: stable for every mechanism within {} times the stated ranges{} (upper bound of mu, largest at {} Hz)",
         short_number(found.guaranteed),
@@ -35,6 +31,16 @@ pub fn robustness_lines(found: &RobustStability) -> Vec<String> {
         lines.push(format!("not in the linear loop: {}", keys.join(", ")));
     }
     lines
+}
+
+/// Returns whether a loop is robust in the stated ranges, in words.
+pub fn robustness_word(found: &RobustStability) -> &'static str {
+    let unstable = found.found.as_ref().is_some_and(|nearest| nearest.scale < 1.0);
+    match (found.guaranteed >= 1.0, unstable) {
+        (true, _) => "robust",
+        (false, true) => "NOT robust: within the stated ranges the loop can be unstable",
+        (false, false) => "not shown to be robust",
+    }
 }
 
 fn errors(found: &RobustStability) -> String {
@@ -59,11 +65,11 @@ fn describe_nearest(found: &DestabilisingMechanism) -> String {
     let errors = gain_errors(found, ["plant's input", "loop's sensor"]);
     parts.extend(errors.map(|(name, error)| format!("{name} off by {error}")));
     format!(
-        "nearest limit that was found: {} times the ranges, oscillating at {} Hz: {}; the loop closed with it has a pole of modulus {:.6}",
+        "nearest limit that was found: {} times the ranges, oscillating at {} Hz: {}; the loop closed with it has a pole of modulus {}",
         short_number(found.scale),
         short_number(found.frequency_hz),
         parts.join(", "),
-        found.pole.norm()
+        describe_modulus(found.pole.norm())
     )
 }
 

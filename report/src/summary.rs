@@ -4,10 +4,11 @@ use crate::wording::acceptance::AcceptanceSource;
 use crate::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_verify::verification::WorseFeedforward;
 use counterpoise_verify::{
-    Arrangement, Experiment, Limit, LoopFigure, Model, PerformanceFigure, Quantity, Requirement, Source,
-    StepFigure, Verdict, Verification,
+    Arrangement, CertificateFigure, Experiment, Limit, LoopFigure, Model, PerformanceFigure, Quantity,
+    Requirement, Source, StepFigure, Verdict, Verification,
 };
 
+use crate::certificate::name_regime;
 use crate::evidence::{disturbance_figure, step_figure};
 use crate::wording::capitalise_first;
 use crate::{FigureTile, Headline, OutcomeTone, ReportCell, ReportColumn, ReportSection, ReportTable};
@@ -25,9 +26,13 @@ pub fn summarise_verdicts(found: &Verification) -> Headline {
         (true, None) if open > 0 => format!("{open} could not be judged: see the table."),
         _ => String::new(),
     };
+    let detail = format!("{detail} {}", not_quiet(found).unwrap_or_default()).trim().to_owned();
     let (tone, text) = match (all, fails) {
         _ if !stable => (OutcomeTone::Bad, "The design does not work".to_owned()),
         (0, _) => (OutcomeTone::Neutral, "Nothing was required".to_owned()),
+        (_, 0) if not_quiet(found).is_some() => {
+            (OutcomeTone::Bad, format!("{holds} of {all} requirements hold, but the loop is not quiet"))
+        }
         (_, 0) if open == 0 => (OutcomeTone::Good, format!("All {all} requirements hold")),
         (_, 0) => (OutcomeTone::Neutral, format!("{holds} of {all} requirements hold")),
         _ => (
@@ -36,6 +41,23 @@ pub fn summarise_verdicts(found: &Verification) -> Headline {
         ),
     };
     Headline { tone, text, detail }
+}
+
+/// Returns what the stability certificate says against the loop, where no requirement on it was judged; `None` if nothing moves by itself.
+pub fn not_quiet(found: &Verification) -> Option<String> {
+    let figure = PerformanceFigure::Certificate(CertificateFigure::LimitCyclePeak);
+    let is_judged = found.verdicts.iter().any(|(requirement, _)| requirement.figure == figure);
+    let amplitude = found.value(figure).filter(|amplitude| *amplitude > 0.0 && !is_judged)?;
+    let unit = figure.unit(found.controlled_quantity());
+    Some(match amplitude.is_finite() {
+        true => format!(
+            "A limit cycle of {} {unit} stays, in the nonlinear simulation: see the stability of the exported controller.",
+            short_number(amplitude)
+        ),
+        false => {
+            "The motion grows by itself, in a regime of the certificate: see the stability of the exported controller.".to_owned()
+        }
+    })
 }
 
 fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> Option<String> {
@@ -159,9 +181,10 @@ pub fn summary_tiles(found: &Verification) -> Vec<FigureTile> {
         |source| PerformanceFigure::Disturbance(model, source, Arrangement::Compensated, Quantity::Rejection);
     let on_road = format!("{} on the road", found.controlled_quantity().name());
     let wanted = [
-        ("gain margin, linear", PerformanceFigure::Loop(LoopFigure::GainMargin)),
-        ("phase margin, linear", PerformanceFigure::Loop(LoopFigure::PhaseMargin)),
-        ("sensitivity Ms, linear", PerformanceFigure::Loop(LoopFigure::MaxSensitivity)),
+        ("gain margin", PerformanceFigure::Loop(LoopFigure::GainMargin)),
+        ("phase margin", PerformanceFigure::Loop(LoopFigure::PhaseMargin)),
+        ("sensitivity Ms", PerformanceFigure::Loop(LoopFigure::MaxSensitivity)),
+        ("gain margin, worst regime", PerformanceFigure::Certificate(CertificateFigure::GainMargin)),
         ("step overshoot", PerformanceFigure::Step(model, StepFigure::Overshoot)),
         ("DRR pitch", drr(Source::Pitch)),
         ("DRR heave", drr(Source::Heave)),
@@ -184,18 +207,8 @@ fn tile(found: &Verification, label: &str, figure: PerformanceFigure) -> Option<
     let (scale, unit) = if unit == controlled.unit() { (1e3, controlled.milli_unit()) } else { (1.0, unit) };
     let limit = judged.map(|(requirement, _)| words_of(scale_limit(requirement.limit, scale)));
     let value = scale * value;
-    let kind_of = match figure {
-        PerformanceFigure::Disturbance(Model::Nonlinear, ..) => "RMS, nonlinear, all feedforwards",
-        PerformanceFigure::Disturbance(Model::Linear, ..) => "RMS, linear, all feedforwards",
-        PerformanceFigure::Step(Model::Nonlinear, _) => "nonlinear plant",
-        PerformanceFigure::Step(Model::Linear, _) => "linear plant",
-        _ => "",
-    };
-    let note = match (limit, rejection_note(found, figure)) {
-        (Some(limit), Some(kind)) => format!("{limit}; {kind}"),
-        (Some(limit), None) => limit,
-        (None, kind) => kind.unwrap_or_else(|| kind_of.to_owned()),
-    };
+    let basis = rejection_note(found, figure).unwrap_or_else(|| tile_basis(found, figure));
+    let note = limit.map_or_else(|| basis.clone(), |limit| format!("{limit}; {basis}"));
     Some(FigureTile {
         label: label.to_owned(),
         value: short_number(value),
@@ -203,6 +216,18 @@ fn tile(found: &Verification, label: &str, figure: PerformanceFigure) -> Option<
         note,
         tone,
     })
+}
+
+/// Returns on what a figure rests: linear, or nonlinear at which amplitude; a figure of the certificate in which regime.
+fn tile_basis(found: &Verification, figure: PerformanceFigure) -> String {
+    let basis = found.acceptance(&figure).basis;
+    match (figure, &found.worst_regime) {
+        (PerformanceFigure::Certificate(_), Some(worst)) => {
+            format!("linear, {} ({})", name_regime(worst.regime), worst.case)
+        }
+        (PerformanceFigure::Disturbance(..), _) => format!("RMS, all feedforwards, {basis}"),
+        _ => basis,
+    }
 }
 
 /// At which amplitude a rejection ratio holds, with the linear one beside the nonlinear one; `None` for any other figure.

@@ -1,13 +1,15 @@
 //! The pages of a robustness campaign.
 
 use crate::wording::figures::describe_figure;
-use counterpoise_pipeline::studies::sweep::CampaignResult;
+use counterpoise_pipeline::studies::sweep::{CampaignResult, RobustnessLimit};
 use counterpoise_verify::robustness::{MemberDifference, Sense, Summary, WorstMechanism};
 use counterpoise_verify::{Limit, Requirement, Value, Verification};
 
 use serde::Serialize;
 
+use crate::certificate;
 use crate::verification::VerificationContext;
+use crate::wording::capitalise_first;
 use crate::{
     Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportSection, ReportTable, robustness, summary,
 };
@@ -31,6 +33,7 @@ pub fn campaign_report(
     );
     let mut sections = vec![worst_cases(found, project)];
     sections.extend(found.stability.as_ref().map(robustness::robustness_section));
+    sections.extend(certificate::robustness_of_regimes(&found.regimes));
     sections.extend(statistics(found));
     sections.extend(context.more);
     Report {
@@ -76,13 +79,26 @@ fn outside_samples(found: &CampaignResult) -> String {
         0 => " The search for worst cases finds none that fails.".to_owned(),
         some => format!(" In its worst case {some} of {} requirements fail.", found.worst.len()),
     };
-    let stable = found.stability.as_ref().map_or(String::new(), |found| {
-        format!(
-            " The linear loop is stable within {} times the stated ranges.",
-            short_number(found.guaranteed)
-        )
-    });
+    let stable = found
+        .least_robust()
+        .map_or(String::new(), |least| format!(" {}.", capitalise_first(&robustness_limit(least))));
     searched + &stable
+}
+
+/// Returns how far the ranges of a campaign may be widened in the case and regime where they may least.
+pub fn robustness_limit(least: RobustnessLimit<'_>) -> String {
+    let place = least.at.map_or("sliding friction".to_owned(), certificate::name_robust_regime);
+    match least.factor {
+        0.0 => format!("the linear loop is unstable without any deviation: {place}"),
+        factor if factor < 1.0 => format!(
+            "the linear loop is NOT stable for every mechanism in the stated ranges, only within {} times the ranges: {place}",
+            short_number(factor)
+        ),
+        factor => format!(
+            "the linear loop is stable within {} times the stated ranges in every case and regime, least in: {place}",
+            short_number(factor)
+        ),
+    }
 }
 
 /// A requirement over a campaign, for another program.

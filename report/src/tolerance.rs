@@ -5,6 +5,9 @@ pub(crate) const NO_EFFECT: f64 = 0.005;
 /// Relative change up to which a figure counts as the same in a comparison of two verifications: the results of two processors differ by less.
 pub(crate) const SAME_FIGURE: f64 = 1e-6;
 
+/// Size from which on three decimals have at least two digits: a smaller number is written with its exponent.
+pub(crate) const LEAST_WITH_DECIMALS: f64 = 0.01;
+
 /// RMS residual over noise floor up to which a model is said to fit: more than half of the power above it is none of the noise, so that what does not fit can be improved.
 pub(crate) const FITS_FLOORS: f64 = 1.5;
 
@@ -33,3 +36,6 @@ pub(crate) const LEAST_WITH_THREE_DECIMALS: f64 = 0.01;
 
 /// Ratio of the largest value to the smallest from which on an axis of a front is logarithmic: on a linear one most of its designs lie on top of each other.
 pub(crate) const DECADE: f64 = 10.0;
+
+/// Distance of a pole's modulus from 1 below which it is written as a distance: six decimals show fewer than three digits of it.
+pub(crate) const SHOWN_DISTANCE: f64 = 1e-4;

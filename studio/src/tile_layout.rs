@@ -388,7 +388,7 @@ pub struct PlotDrop<'a> {
 
 /// Returns the tree in which a plot is a tab beside the plot on which it was let go, if the library made it a tab beside a whole row or column;
 /// `None` if it did not.
-pub fn mend_drop(place: TilePlace, drop: &PlotDrop) -> Option<Tree<String>> {
+pub fn repair_drop(place: TilePlace, drop: &PlotDrop) -> Option<Tree<String>> {
     if !tree_layout(drop.after)?.has_mixed_tabs() {
         return None;
     }

@@ -130,6 +130,17 @@ pub enum RestFigure {
     Drift,
 }
 
+/// A figure of the stability certificate: the worst over all cases of the schedule and all regimes of friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum CertificateFigure {
+    /// Gain margin of the regime nearest to instability, dB; 0 if it is unstable.
+    GainMargin,
+    /// Largest sensitivity of the regime nearest to instability; infinite if it is unstable.
+    MaxSensitivity,
+    /// Amplitude of the limit cycle that stays: 0 without one, infinite if the motion grows.
+    LimitCyclePeak,
+}
+
 /// A figure of the line of sight under the platform's motion: the road, or heave and pitch together, with the whole controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum SightFigure {
@@ -198,6 +209,8 @@ pub enum PerformanceFigure {
     Rest(RestFigure),
     /// The line of sight.
     Sight(SightFigure),
+    /// The stability certificate of the exported controller.
+    Certificate(CertificateFigure),
 }
 
 /// Key and unit of a figure, or of a part of one.
@@ -282,6 +295,12 @@ const REST: [Row<RestFigure>; 2] = [
     Row::new(RestFigure::Drift, "rest_drift_rad", "rad"),
 ];
 
+const CERTIFICATE: [Row<CertificateFigure>; 3] = [
+    Row::new(CertificateFigure::GainMargin, "worst_regime_gain_margin_db", "dB"),
+    Row::new(CertificateFigure::MaxSensitivity, "worst_regime_max_sensitivity", ""),
+    Row::new(CertificateFigure::LimitCyclePeak, "limit_cycle_peak_rad_s", "rad/s"),
+];
+
 const SIGHT: [Row<SightFigure>; 10] = [
     Row::new(SightFigure::Hub, "line_of_sight_rms_rad", "rad"),
     Row::new(SightFigure::HubJitter, "line_of_sight_jitter_rad", "rad"),
@@ -327,6 +346,7 @@ impl PerformanceFigure {
             }
             PerformanceFigure::Rest(figure) => words(&REST, figure).key.to_owned(),
             PerformanceFigure::Sight(figure) => words(&SIGHT, figure).key.to_owned(),
+            PerformanceFigure::Certificate(figure) => words(&CERTIFICATE, figure).key.to_owned(),
         }
     }
 
@@ -352,6 +372,9 @@ impl PerformanceFigure {
     /// # Errors
     /// As [`PerformanceFigure::from_key`].
     pub fn from_key_in(controlled: ControlledQuantity, key: &str) -> Result<Self, Error> {
+        if controlled == ControlledQuantity::RATE {
+            return Self::from_key(key);
+        }
         let own = Self::all().into_iter().find(|figure| figure.key_in(controlled) == key);
         own.map_or_else(|| Self::from_key(key), Ok)
     }
@@ -406,6 +429,7 @@ impl PerformanceFigure {
         out.extend(rejections(1.0));
         out.extend(REST.iter().map(|row| PerformanceFigure::Rest(row.of)));
         out.extend(SIGHT.iter().map(|row| PerformanceFigure::Sight(row.of)));
+        out.extend(CERTIFICATE.iter().map(|row| PerformanceFigure::Certificate(row.of)));
         out
     }
 
@@ -416,7 +440,8 @@ impl PerformanceFigure {
             PerformanceFigure::Step(_, figure) => words(&STEP, figure).unit,
             PerformanceFigure::Triangle(_, TriangleFigure::ErrorRms | TriangleFigure::ErrorPeak)
             | PerformanceFigure::Disturbance(_, _, _, Quantity::HubRms | Quantity::HubPeak)
-            | PerformanceFigure::Rest(RestFigure::HubRms) => controlled.unit(),
+            | PerformanceFigure::Rest(RestFigure::HubRms)
+            | PerformanceFigure::Certificate(CertificateFigure::LimitCyclePeak) => controlled.unit(),
             PerformanceFigure::Disturbance(_, _, _, Quantity::TipRms | Quantity::TipPeak) => {
                 controlled.tip_unit()
             }
@@ -427,6 +452,7 @@ impl PerformanceFigure {
             PerformanceFigure::Disturbance(_, _, _, quantity) => words(&QUANTITIES, quantity).unit,
             PerformanceFigure::Rejection { .. } => "dB",
             PerformanceFigure::Sight(figure) => words(&SIGHT, figure).unit,
+            PerformanceFigure::Certificate(figure) => words(&CERTIFICATE, figure).unit,
         }
     }
 }

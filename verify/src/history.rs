@@ -27,7 +27,7 @@ impl Experiment {
             PerformanceFigure::Disturbance(_, source, ..) | PerformanceFigure::Rejection { source, .. } => {
                 Self::Disturbance(source, Arrangement::Compensated)
             }
-            PerformanceFigure::Rest(_) => Self::Rest,
+            PerformanceFigure::Rest(_) | PerformanceFigure::Certificate(_) => Self::Rest,
             PerformanceFigure::Triangle(..) => Self::Triangle,
             PerformanceFigure::Step(..) | PerformanceFigure::Loop(_) | PerformanceFigure::Sight(_) => {
                 Self::Step

@@ -50,8 +50,8 @@ pub use error_budget::{
     BudgetRun, Contribution, ErrorBudget, ErrorSource, LinearContribution, budget_angles, error_budget,
 };
 pub use figure::{
-    ARRANGEMENTS, Arrangement, LoopFigure, Model, PerformanceFigure, Quantity, RestFigure, SightFigure,
-    Source, StepFigure, TriangleFigure,
+    ARRANGEMENTS, Arrangement, CertificateFigure, LoopFigure, Model, PerformanceFigure, Quantity, RestFigure,
+    SightFigure, Source, StepFigure, TriangleFigure,
 };
 pub use history::{Experiment, History, HistoryColumn};
 pub use image_motion::Optics;

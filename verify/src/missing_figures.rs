@@ -39,6 +39,10 @@ pub enum MissingReason {
     NotANumber,
     /// A requirement on a value that is NaN.
     NoValue,
+    /// The stability certificate was not computed beside the verification.
+    NoCertificate,
+    /// The certificate neither shows a limit cycle nor excludes one.
+    NotPredicted,
     /// A step response that cannot be read.
     StepResponse(Box<Error>),
 }

@@ -8,6 +8,7 @@ use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_simulate::Simulator;
 
 use crate::Quantity;
+use crate::certificate::{Regime, StabilityCertificate};
 use crate::error_budget::{ErrorBudget, error_budget};
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
@@ -17,8 +18,8 @@ use crate::linear_loop::{self, ArrangedLoop, ClosedLoop, Curves, SampledPlant, a
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::tolerance::WORSE_FEEDFORWARD;
 use crate::{
-    ARRANGEMENTS, Arrangement, Error, HeaveAndPitch, MissingReason, Model, PerformanceFigure, Procedure,
-    Requirement, Source, Verdict, nonlinear_runs,
+    ARRANGEMENTS, Arrangement, CertificateFigure, Error, HeaveAndPitch, MissingReason, Model,
+    PerformanceFigure, Procedure, Requirement, Source, Verdict, nonlinear_runs,
 };
 
 /// Result of a verification: the measured figures, their verdicts, and the records that they were computed from.
@@ -32,6 +33,17 @@ pub struct Verification {
     pub evidence: Evidence,
     /// Error budget of the line of sight; `None` if the procedure does not request it.
     pub error_budget: Option<ErrorBudget>,
+    /// The case and the regime of the certificate that are nearest to instability; `None` without a certificate.
+    pub worst_regime: Option<WorstRegime>,
+}
+
+/// The regime that is nearest to instability, or furthest beyond it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WorstRegime {
+    /// Name of the case.
+    pub case: String,
+    /// The regime.
+    pub regime: Regime,
 }
 
 /// Curves and time histories.
@@ -81,6 +93,11 @@ impl VerifiedController {
     /// Returns what its verification found.
     pub fn verification(&self) -> &Verification {
         &self.verification
+    }
+
+    /// Takes the figures of a certificate of the same controller into its verification, and judges the requirements on them.
+    pub fn take_certificate(&mut self, found: &StabilityCertificate) {
+        self.verification.take_certificate(found);
     }
 
     /// Returns the controller with what its verification found.
@@ -140,9 +157,11 @@ impl Verification {
         )
     }
 
-    /// Returns whether no requirement fails and the closed loop is stable.
+    /// Returns whether no requirement fails, the closed loop is stable and, by the certificate if there is one, no motion grows by itself.
     pub fn passes(&self) -> bool {
-        self.counts().1 == 0 && self.evidence.margins.closed_loop_stable
+        let cycle = self.value(PerformanceFigure::Certificate(CertificateFigure::LimitCyclePeak));
+        let grows = cycle == Some(f64::INFINITY);
+        self.counts().1 == 0 && self.evidence.margins.closed_loop_stable && !grows
     }
 
     /// Returns a time history, where it was run.
@@ -168,6 +187,7 @@ impl Verification {
             {
                 line_of_sight::missing_section(figure)
             }
+            PerformanceFigure::Certificate(_) => MissingReason::NoCertificate,
             PerformanceFigure::Triangle(..) if !self.saw_a_triangle() => MissingReason::NoTriangle,
             PerformanceFigure::Step(Model::Nonlinear, _)
             | PerformanceFigure::Triangle(Model::Nonlinear, _)
@@ -197,6 +217,17 @@ impl Verification {
 
     fn saw_a_triangle(&self) -> bool {
         self.figures.iter().any(|measured| matches!(measured.figure, PerformanceFigure::Triangle(..)))
+    }
+
+    /// Takes the figures of the certificate of the controller that was verified, and judges the requirements on them.
+    pub fn take_certificate(&mut self, found: &StabilityCertificate) {
+        self.worst_regime = found
+            .nearest_to_instability()
+            .map(|(case, at)| WorstRegime { case: case.name.clone(), regime: at.regime });
+        self.figures.retain(|measured| !matches!(measured.figure, PerformanceFigure::Certificate(_)));
+        self.figures.extend(found.figures());
+        let requirements: Vec<Requirement> = self.verdicts.drain(..).map(|(required, _)| required).collect();
+        self.judge(&requirements);
     }
 
     fn judge(&mut self, requirements: &[Requirement]) {
@@ -432,7 +463,7 @@ fn linear_part(
         procedure: procedure.clone(),
         controlled: plant.parameters().controlled_quantity(),
     };
-    Ok(Verification { figures, verdicts: Vec::new(), evidence, error_budget: None })
+    Ok(Verification { figures, verdicts: Vec::new(), evidence, error_budget: None, worst_regime: None })
 }
 
 /// The procedure's frequencies and those that requirements name.

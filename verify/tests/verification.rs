@@ -201,6 +201,7 @@ fn a_whole_verification_measures_everything_twice_alike() {
             PerformanceFigure::Disturbance(_, Source::Road, ..)
                 | PerformanceFigure::Triangle(..)
                 | PerformanceFigure::Sight(_)
+                | PerformanceFigure::Certificate(_)
         );
         let present = found.figures.iter().any(|measured| measured.figure == figure);
         assert_eq!(present, !road, "{figure}");

@@ -12,22 +12,25 @@ use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::results::DesignResult;
 use counterpoise_pipeline::studies::advice::KeptDesigns;
-use counterpoise_pipeline::{DesignContents, DesignStages, FirstDesignResult, TwoAxisStudy, design_project};
+use counterpoise_pipeline::{
+    CompletedDesign, DesignContents, FirstDesignResult, TwoAxisStudy, design_project,
+};
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::{describe_action, describe_refusal};
 use counterpoise_report::certificate;
 use counterpoise_report::design::DesignRun;
 use counterpoise_report::results::{DesignText, FirstDesignText};
 use counterpoise_report::terminal::verdicts::{describe_compiled_code, verdict_lines};
+use counterpoise_report::wording::certificates::total_cost_lines;
 use counterpoise_report::wording::code_header::HeaderText;
-use counterpoise_report::{ReportOrigin, html_page, of_design, two_axes};
+use counterpoise_report::{ReportOrigin, advice, html_page, of_design, two_axes};
 use serde::Serialize;
 
 use super::{export, first_design};
 use crate::exit::{CommandResult, verdict_code};
 use crate::options::{ResultOutput, WRITTEN};
 use crate::output;
-use counterpoise_host::projects::{self, ProjectWorld};
+use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 
 /// Arguments of `design`.
 #[derive(Args)]
@@ -66,12 +69,7 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     }
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let contents = DesignContents {
-        assumptions: &loaded.assumptions,
-        systems: options.results.loop_systems(),
-        kept: if options.histories { KeptDesigns::Histories } else { KeptDesigns::Systems },
-    };
-    let designed = design_project(&loaded.project, &contents, &HeaderText, &world)?;
+    let designed = design_project(&loaded.project, &contents_of(options, &loaded), &HeaderText, &world)?;
     let mut result = DesignResult::complete(&designed);
     let code = &designed.targets.code;
     let (proofs, costs) =
@@ -102,7 +100,7 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     let whole = DesignOutput { design: DesignText::new(&designed, result), first_design };
     if !output::write_result(&options.results, &whole)? {
         first_design::print_first_design(&loaded);
-        print(options, &designed.stages);
+        print(options, &designed);
         print_two_axes(&designed);
     }
     compiled.said.iter().for_each(|line| print_message(line));
@@ -116,18 +114,30 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     Ok(verdict_code([holds, compiled.differing == 0, together, traverse]))
 }
 
-fn print_two_axes(designed: &counterpoise_pipeline::CompletedDesign) {
+/// Returns what is computed and kept beside the figures.
+fn contents_of<'a>(options: &DesignOptions, loaded: &'a ProjectOnDisk) -> DesignContents<'a> {
+    DesignContents {
+        assumptions: &loaded.assumptions,
+        systems: options.results.loop_systems(),
+        kept: if options.histories { KeptDesigns::Histories } else { KeptDesigns::Systems },
+    }
+}
+
+fn print_two_axes(designed: &CompletedDesign) {
     let both = designed.two_axes.iter().flat_map(two_axes::two_axes_lines);
     both.for_each(|line| say!("two axes: {line}"));
 }
 
-fn print_adaptation(designed: &counterpoise_pipeline::CompletedDesign) {
+fn print_adaptation(designed: &CompletedDesign) {
     let action = designed.adaptation.iter().filter_map(describe_action);
     action.for_each(|action| print_message(&format!("adaptation: {action}")));
 }
 
-fn print(options: &DesignOptions, made: &DesignStages) {
+fn print(options: &DesignOptions, designed: &CompletedDesign) {
+    let made = &designed.stages;
     output::print_lines(&verdict_lines(made.verified.verification()));
+    advice::advice_lines(&designed.advice).iter().for_each(|line| say!("advice: {line}"));
+    output::print_lines(&total_cost_lines(designed.comparison.total_cost.as_ref()));
     certificate::certificate_lines(&made.stability).iter().for_each(|line| say!("stability: {line}"));
     say!();
     say!("report  {}", options.output.join("report.html").display());

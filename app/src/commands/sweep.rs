@@ -4,6 +4,7 @@ use crate::output::say;
 use anyhow::{Context, Error, Result, anyhow, bail};
 use clap::Args;
 use counterpoise_host::terminal::print_message;
+use counterpoise_pipeline::studies::certificate::{RegimeRobustness, other_robust_regimes};
 use counterpoise_pipeline::studies::sweep::{
     BesideSamples, CampaignResult, ShardsProblem, campaign_is_stated, merge_shards, worst_cases,
 };
@@ -63,6 +64,8 @@ struct NamedCampaign {
     identity: ProjectIdentity,
     /// The linear worst case, where the whole campaign is reported.
     stability: Option<RobustStability>,
+    /// The linear worst case in the other cases and regimes.
+    regimes: Vec<RegimeRobustness>,
 }
 
 /// Runs the command.
@@ -103,21 +106,25 @@ fn prepare(options: &SweepOptions) -> Result<NamedCampaign> {
     let designed = pipeline::run_stages(&loaded.project, &HeaderText, &world)?;
     let campaign =
         pipeline::prepare_campaign(&loaded.project, &designed.modelled, &designed.verified, &world)?;
-    let (families, stability) = match options.shard.is_some() || options.sample.is_some() {
-        true => (Vec::new(), None),
-        false => (
-            pipeline::vary_families(&loaded.project, &designed.modelled, &designed.verified, &world)?,
-            pipeline::robust_stability(
-                &loaded.project,
-                &designed.modelled,
-                designed.verified.controller(),
-                &world,
-            )?,
-        ),
+    let mut named = NamedCampaign {
+        name: String::new(),
+        families: Vec::new(),
+        identity: ProjectIdentity::of(&loaded.project, &loaded.project_folder()),
+        stability: None,
+        regimes: Vec::new(),
+        designed,
+        campaign,
     };
-    let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
-    let name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), identity.hash, campaign.len());
-    Ok(NamedCampaign { designed, campaign, name, families, identity, stability })
+    named.name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), named.identity.hash, named.campaign.len());
+    if options.shard.is_none() && options.sample.is_none() {
+        let (project, designed) = (&loaded.project, &named.designed);
+        named.families = pipeline::vary_families(project, &designed.modelled, &designed.verified, &world)?;
+        named.stability =
+            pipeline::robust_stability(project, &designed.modelled, designed.verified.controller(), &world)?;
+        named.regimes =
+            other_robust_regimes(project, &designed.modelled, &designed.synthesised, &designed.procedure)?;
+    }
+    Ok(named)
 }
 
 /// One of the parts into which a campaign is divided.
@@ -189,6 +196,7 @@ fn finish(named: &NamedCampaign, options: &SweepOptions) -> CommandResult {
         worst: worst_cases(&named.campaign, &samples, &ProgressPool::new(ProgressDisplay::Quiet))?,
         families: named.families.clone(),
         stability: named.stability.clone(),
+        regimes: named.regimes.clone(),
     };
     let found = CampaignResult::new(&named.campaign, &samples, others);
     let nominal = named.designed.verified.verification();

@@ -264,26 +264,24 @@ impl ControlledQuantity {
     pub fn named_figure(self, of_rate_loop: &str) -> String {
         let (own, tip) = (self.words(), self.motion().words());
         let travel = Self { kind: QuantityKind::Position, ..self }.words().suffix;
-        let ends = [
-            ("hub_rms_rad_s", format!("{}_rms_{}", own.stem, own.suffix)),
-            ("hub_peak_rad_s", format!("{}_peak_{}", own.stem, own.suffix)),
-            ("tip_rms_rad_s", format!("tip_rms_{}", tip.suffix)),
-            ("tip_peak_rad_s", format!("tip_peak_{}", tip.suffix)),
-            ("error_rms_rad_s", format!("error_rms_{}", own.suffix)),
-            ("error_peak_rad_s", format!("error_peak_{}", own.suffix)),
-            ("travel_peak_rad", format!("travel_peak_{travel}")),
-            ("rest_drift_rad", format!("rest_drift_{travel}")),
-            (
-                "current_peak_a",
-                match self.drive {
-                    DriveQuantity::Current => "current_peak_a".to_owned(),
-                    DriveQuantity::Pressure => "load_pressure_peak_mpa".to_owned(),
-                },
-            ),
+        let ends: [(&str, &dyn Fn() -> String); 10] = [
+            ("limit_cycle_peak_rad_s", &|| format!("limit_cycle_peak_{}", own.suffix)),
+            ("hub_rms_rad_s", &|| format!("{}_rms_{}", own.stem, own.suffix)),
+            ("hub_peak_rad_s", &|| format!("{}_peak_{}", own.stem, own.suffix)),
+            ("tip_rms_rad_s", &|| format!("tip_rms_{}", tip.suffix)),
+            ("tip_peak_rad_s", &|| format!("tip_peak_{}", tip.suffix)),
+            ("error_rms_rad_s", &|| format!("error_rms_{}", own.suffix)),
+            ("error_peak_rad_s", &|| format!("error_peak_{}", own.suffix)),
+            ("travel_peak_rad", &|| format!("travel_peak_{travel}")),
+            ("rest_drift_rad", &|| format!("rest_drift_{travel}")),
+            ("current_peak_a", &|| match self.drive {
+                DriveQuantity::Current => "current_peak_a".to_owned(),
+                DriveQuantity::Pressure => "load_pressure_peak_mpa".to_owned(),
+            }),
         ];
         for (rate, name) in ends {
             if let Some(start) = of_rate_loop.strip_suffix(rate) {
-                return format!("{start}{name}");
+                return format!("{start}{}", name());
             }
         }
         of_rate_loop.to_owned()

@@ -163,9 +163,10 @@ fn shows_in_recording(figure: PerformanceFigure) -> bool {
             );
             model == Model::Nonlinear && arrangement == Arrangement::Compensated && is_read
         }
-        PerformanceFigure::Loop(_) | PerformanceFigure::Rejection { .. } | PerformanceFigure::Sight(_) => {
-            false
-        }
+        PerformanceFigure::Loop(_)
+        | PerformanceFigure::Rejection { .. }
+        | PerformanceFigure::Sight(_)
+        | PerformanceFigure::Certificate(_) => false,
     }
 }
 
@@ -194,7 +195,8 @@ fn without_noise(figure: PerformanceFigure, value: f64, project: &Project) -> f6
         PerformanceFigure::Step(..)
         | PerformanceFigure::Loop(_)
         | PerformanceFigure::Rejection { .. }
-        | PerformanceFigure::Sight(_) => false,
+        | PerformanceFigure::Sight(_)
+        | PerformanceFigure::Certificate(_) => false,
     };
     if !is_rms {
         return value;

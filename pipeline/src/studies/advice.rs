@@ -120,6 +120,8 @@ pub fn advise_changes(
     let trials = WeightTrials { project, modelled, reduced, procedure, kept };
     let parameters = weight_parameters(&asked.specification);
     let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
+        // the certificate is computed for the design alone, not for each one that is tried
+        Verdict::Fails { .. } if matches!(requirement.figure, PerformanceFigure::Certificate(_)) => None,
         Verdict::Fails { value, .. } if value.is_finite() => Some((requirement, *value)),
         _ => None,
     });

@@ -106,3 +106,19 @@ pub fn robust_regimes(
     }
     Ok(all)
 }
+
+/// Returns [`robust_regimes`] without the first, the design's own case with sliding friction, which
+/// [`robust_stability`](super::sweep::robust_stability) computes.
+///
+/// # Errors
+/// As [`robust_regimes`].
+pub fn other_robust_regimes(
+    project: &Project,
+    modelled: &PlantModel,
+    synthesised: &SynthesisedDesign,
+    procedure: &Procedure,
+) -> Result<Vec<RegimeRobustness>, PipelineError> {
+    let mut regimes = robust_regimes(project, modelled, synthesised, procedure)?;
+    regimes.drain(..regimes.len().min(1));
+    Ok(regimes)
+}

@@ -12,6 +12,7 @@ use counterpoise_verify::structured::{RobustStability, Uncertainty};
 use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Requirement, VerifiedController};
 use ndarray::Array2;
 
+use super::certificate::RegimeRobustness;
 use crate::tolerance::DRIFTING_POLE;
 use crate::{PipelineError, PlantModel, World, project_procedure};
 use counterpoise_project::Project;
@@ -43,6 +44,17 @@ pub struct CampaignResult {
     pub families: Vec<FamilyMember>,
     /// The linear worst case; `None` if nothing that enters the linear loop varies.
     pub stability: Option<RobustStability>,
+    /// The linear worst case in the other cases of the schedule and regimes of friction.
+    pub regimes: Vec<RegimeRobustness>,
+}
+
+/// How far the stated ranges may be widened together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RobustnessLimit<'a> {
+    /// The factor on the ranges.
+    pub factor: f64,
+    /// Where; `None` for the design's own case with sliding friction.
+    pub at: Option<&'a RegimeRobustness>,
 }
 
 /// Results of a campaign beside its samples.
@@ -54,6 +66,8 @@ pub struct BesideSamples {
     pub families: Vec<FamilyMember>,
     /// The linear worst case.
     pub stability: Option<RobustStability>,
+    /// The linear worst case in the other cases and regimes.
+    pub regimes: Vec<RegimeRobustness>,
 }
 
 impl CampaignResult {
@@ -74,7 +88,17 @@ impl CampaignResult {
             worst: others.worst,
             families: others.families,
             stability: others.stability,
+            regimes: others.regimes,
         }
+    }
+
+    /// Returns the case and regime whose ranges can be widened least, with the factor: 0 if the loop is unstable without any deviation.
+    /// `None` if nothing that enters the linear loop varies.
+    pub fn least_robust(&self) -> Option<RobustnessLimit<'_>> {
+        let own = self.stability.as_ref().map(|found| RobustnessLimit { factor: found.guaranteed, at: None });
+        let factor = |at: &RegimeRobustness| at.found.as_ref().map_or(0.0, |found| found.guaranteed);
+        let others = self.regimes.iter().map(|at| RobustnessLimit { factor: factor(at), at: Some(at) });
+        own.into_iter().chain(others).min_by(|a, b| a.factor.total_cmp(&b.factor))
     }
 
     /// Returns the number of mechanisms.
@@ -114,10 +138,11 @@ pub fn campaign_is_stated(project: &Project) -> Result<(), PipelineError> {
     }
 }
 
-/// Returns the requirements that a campaign judges: those of the project, or [`usual_requirements`] if it
-/// states none.
+/// Returns the requirements that a campaign judges: those of the project that can be measured on one of many mechanisms, or
+/// [`usual_requirements`] if there are none. The stability certificate is computed for the design alone.
 fn judged_requirements(project: &Project) -> Vec<Requirement> {
-    let stated = project.verify.as_ref().map(|asked| asked.requirements.clone()).unwrap_or_default();
+    let mut stated = project.verify.as_ref().map(|asked| asked.requirements.clone()).unwrap_or_default();
+    stated.retain(|requirement| !matches!(requirement.figure, PerformanceFigure::Certificate(_)));
     if stated.is_empty() { usual_requirements() } else { stated }
 }
 

@@ -10,7 +10,7 @@ use counterpoise_verify::{Road, Triangle, Verification};
 
 use super::adaptation_trials::{AdaptationTrials, own_trials};
 use super::advice::{KeptDesigns, WeightAdvice, advise_changes};
-use super::certificate::{RegimeRobustness, certify_controller, robust_regimes};
+use super::certificate::{RegimeRobustness, certify_controller, other_robust_regimes};
 use super::sweep::robust_stability;
 use crate::exchange::{ErrorBudgetResult, VerifiedLoop, error_budget_result, verified_loop};
 use crate::loop_view::{LoopView, loop_view};
@@ -109,7 +109,7 @@ pub fn verify_project(
     let linear = options.plant == VerifiedPlant::Linear;
     let on = build_plant_model(&with_structure(project, structure))?;
     let plant = &on.plant;
-    let found = match linear {
+    let mut found = match linear {
         true => verify_linear_on(project, plant, &made, &procedure)?,
         false => verify_on(project, plant, &made, &procedure)?.into_parts().1,
     };
@@ -117,8 +117,8 @@ pub fn verify_project(
     let stability = robust_stability(project, &modelled, controller, world)?;
     let measured_on = verified_loop(plant, controller, &procedure)?;
     let certificate = (!linear).then(|| certify_controller(project, &on, &made, &procedure)).transpose()?;
-    let mut regimes = robust_regimes(project, &modelled, &made, &procedure)?;
-    regimes.drain(..regimes.len().min(1));
+    certificate.iter().for_each(|certificate| found.take_certificate(certificate));
+    let regimes = other_robust_regimes(project, &modelled, &made, &procedure)?;
     let adaptation = if linear { None } else { own_trials(project, &on, &made, &procedure)? };
     let advice = advise_changes(project, &modelled, &reduced, &procedure, &found, options.kept)?;
     let budget = error_budget_result(&found, plant, controller, options.kept)?;

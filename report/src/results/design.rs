@@ -3,7 +3,7 @@
 use counterpoise_pipeline::CompletedDesign;
 use counterpoise_pipeline::certificates::Certificate;
 use counterpoise_pipeline::exchange::{SCHEMA, TargetsResult};
-use counterpoise_pipeline::results::{DesignResult, ModelResult, ReduceResult};
+use counterpoise_pipeline::results::{AdviceResult, DesignResult, ModelResult, ReduceResult};
 use serde::Serialize;
 
 use super::comparison::ComparisonText;
@@ -42,6 +42,8 @@ pub struct DesignText {
     pub certificates: Vec<DesignCertificateText>,
     /// The design beside its alternatives.
     pub beside: ComparisonText,
+    /// The changes that meet a requirement that fails.
+    pub advice: Vec<AdviceResult>,
     /// The controller in every kind of numbers.
     pub targets: TargetsResult,
     /// Names of the files of code.
@@ -64,6 +66,7 @@ impl DesignText {
             weights_in_words: describe_weights(&designed.asked),
             certificates: designed.certificates.iter().map(describe_certificate).collect(),
             beside: (&designed.comparison).into(),
+            advice: designed.advice.iter().map(Into::into).collect(),
             targets: result.targets,
             files: made.files.iter().map(|file| file.name.clone()).collect(),
             left_out: made.all_left_out().map(ToString::to_string).collect(),

@@ -4,6 +4,7 @@ use counterpoise_diagnose::identification::Estimate;
 use counterpoise_pipeline::recordings::AxisUnits;
 
 use super::add_line;
+use crate::tolerance::LEAST_WITH_DECIMALS;
 use crate::wording::identification::{AmplifierText, IdentificationText};
 
 /// Returns the lines on an identified mechanism, a quantity each.
@@ -69,9 +70,6 @@ fn figure(value: f64) -> String {
     }
     format!("{value:.2e}")
 }
-
-/// Size from which on three decimals have at least two digits.
-const LEAST_WITH_DECIMALS: f64 = 0.01;
 
 fn add_amplifier(lines: &mut Vec<String>, found: &AmplifierText) {
     match found {

@@ -1,11 +1,13 @@
 //! What `counterpoise sweep` prints of a campaign.
 
+use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_pipeline::studies::sweep::CampaignResult;
+use counterpoise_verify::structured::Joints;
 
 use super::add_line;
-use crate::robustness;
-use crate::sweep::SweepFigure;
+use crate::sweep::{SweepFigure, robustness_limit};
 use crate::wording::figures::format_figure;
+use crate::{certificate, robustness};
 
 /// Returns the lines on a campaign: the share of mechanisms that meet each requirement, and the linear worst case.
 pub fn sweep_lines(found: &CampaignResult, rows: &[SweepFigure]) -> Vec<String> {
@@ -46,13 +48,22 @@ fn add_shares(lines: &mut Vec<String>, found: &CampaignResult, rows: &[SweepFigu
 }
 
 fn add_stability(lines: &mut Vec<String>, found: &CampaignResult) {
+    if let Some(least) = found.least_robust() {
+        add_line!(lines, "linear: {}", robustness_limit(least));
+    }
     match &found.stability {
-        Some(found) => {
-            robustness::robustness_lines(found).iter().for_each(|line| add_line!(lines, "linear: {line}"))
+        Some(own) => {
+            let is_at_rest = |at: &RegimeRobustness| at.joints == Joints::AtRest;
+            let joints =
+                if found.regimes.iter().any(is_at_rest) { Joints::Sliding } else { Joints::Frictionless };
+            let heading = certificate::worst_case_heading(joints);
+            robustness::robustness_lines(own).iter().for_each(|line| add_line!(lines, "{heading}: {line}"));
         }
+        None if !found.regimes.is_empty() => {}
         None => add_line!(
             lines,
             "linear: no worst case, for nothing that enters the linear loop varies, or it is unstable as it is"
         ),
     }
+    certificate::robustness_lines(&found.regimes).iter().for_each(|line| add_line!(lines, "linear: {line}"));
 }

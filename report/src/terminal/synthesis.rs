@@ -5,10 +5,10 @@ use counterpoise_pipeline::studies::comparison::{DesignComparison, LoopFigures, 
 use counterpoise_plot::number::short_number;
 
 use super::add_line;
-use crate::alternatives::drop_small_sign;
 use crate::results::SynthText;
-use crate::wording::certificates::describe_cost_source;
+use crate::wording::certificates::total_cost_lines;
 use crate::wording::design_findings::describe_design_findings;
+use crate::wording::figures::{describe_modulus, drop_small_sign};
 use crate::wording::schedule::{describe_conditions, describe_law};
 use crate::wording::weights::describe_weights;
 
@@ -28,8 +28,9 @@ fn add_design(lines: &mut Vec<String>, result: &SynthText) {
     let largest = figures.largest_pole_modulus;
     add_line!(
         lines,
-        "closed sampled loop: {} poles, largest modulus {largest:.6}",
-        figures.closed_loop_poles.len()
+        "closed sampled loop: {} poles, largest modulus {}",
+        figures.closed_loop_poles.len(),
+        describe_modulus(largest)
     );
     if let Some(difference) = figures.cost_difference {
         add_line!(lines, "predicted cost and cost of the assembled loop differ by {difference:.1e}");
@@ -62,7 +63,8 @@ fn add_comparison(lines: &mut Vec<String>, study: &SynthesisStudy) {
         let says = if found.largest_pole < 1.0 { "stable" } else { "NOT STABLE" };
         let (modes, order, pole) = (found.modes, found.order, found.largest_pole);
         add_line!(lines);
-        add_line!(lines, "on the beam with {modes} modes (order {order}): {says}, largest modulus {pole:.6}");
+        let modulus = describe_modulus(pole);
+        add_line!(lines, "on the beam with {modes} modes (order {order}): {says}, largest modulus {modulus}");
     }
 }
 
@@ -125,28 +127,9 @@ fn add_motions(lines: &mut Vec<String>, study: &SynthesisStudy) {
 }
 
 fn add_total_cost(lines: &mut Vec<String>, beside: &DesignComparison) {
-    let Some(cost) = &beside.total_cost else { return };
-    add_line!(lines);
-    add_line!(
-        lines,
-        "total cost of the assembled loop {}, each part's disturbances under its own weights:",
-        short_number(cost.total)
-    );
-    for row in &cost.parts {
-        let best = match (row.best_gain, row.gained_percent) {
-            (Some(gain), Some(gained)) => {
-                format!("; the best gain is {gain:.4}, which lowers the total by {gained:.3} %")
-            }
-            _ => String::new(),
-        };
-        let slope = drop_small_sign(row.slope);
-        add_line!(
-            lines,
-            "  {:18} {:>10}, slope {slope:+.4} per unit of its gain{best}",
-            describe_cost_source(row.part),
-            short_number(row.cost)
-        );
-    }
+    let cost = total_cost_lines(beside.total_cost.as_ref());
+    cost.first().iter().for_each(|_| add_line!(lines));
+    lines.extend(cost);
 }
 
 fn add_balance(lines: &mut Vec<String>, study: &SynthesisStudy) {

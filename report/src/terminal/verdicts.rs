@@ -4,6 +4,7 @@ use counterpoise_pipeline::export::target_proofs::{CodeAgreement, CompiledCodeTe
 use counterpoise_verify::{Verdict, Verification};
 
 use super::add_line;
+use crate::summary;
 use crate::wording::acceptance::AcceptanceSource;
 use crate::wording::figures::{describe_figure, describe_unmeasured, format_figure};
 
@@ -48,6 +49,7 @@ fn add_verdicts(lines: &mut Vec<String>, found: &Verification) {
     } else {
         add_line!(lines, "{holds} requirements hold, {fails} fail, {open} not applicable");
     }
+    summary::not_quiet(found).iter().for_each(|line| add_line!(lines, "NOT quiet: {line}"));
 }
 
 fn with_unit(value: f64, unit: &str) -> String {

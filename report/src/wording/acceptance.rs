@@ -7,8 +7,8 @@
 use counterpoise_models::ControlledQuantity;
 use counterpoise_project::file::NamedChoice;
 use counterpoise_verify::{
-    Arrangement, LoopFigure, Model, PerformanceFigure, Procedure, Quantity, RestFigure, RoadOrigin,
-    SightFigure, Source, Verification,
+    Arrangement, CertificateFigure, LoopFigure, Model, PerformanceFigure, Procedure, Quantity, RestFigure,
+    RoadOrigin, SightFigure, Source, Verification,
 };
 
 /// Description of the assessment of a requirement on a figure.
@@ -70,6 +70,10 @@ fn basis(figure: &PerformanceFigure, of: &LoopProcedure<'_>) -> String {
             None => "at a triangle".to_owned(),
         },
         PerformanceFigure::Disturbance(_, source, ..) => format!("at {}", size(*source, procedure)),
+        PerformanceFigure::Certificate(CertificateFigure::LimitCyclePeak) => {
+            "from rest and from near each predicted limit cycle".to_owned()
+        }
+        PerformanceFigure::Certificate(_) => return "linear, in the worst regime".to_owned(),
         PerformanceFigure::Rest(_) => "at rest".to_owned(),
         PerformanceFigure::Sight(_) => format!("at {}", size(sight_source(procedure), procedure)),
     };
@@ -121,6 +125,12 @@ fn judged_by(figure: &PerformanceFigure, of: &LoopProcedure<'_>) -> String {
             )
         }
         PerformanceFigure::Rest(_) => format!("nonlinear simulation, {} s at rest", procedure.duration_s),
+        PerformanceFigure::Certificate(CertificateFigure::LimitCyclePeak) => {
+            "stability certificate: harmonic balance, and the runs that start from it".to_owned()
+        }
+        PerformanceFigure::Certificate(_) => {
+            "stability certificate: frequency response in each regime of friction, at each setting of the schedule".to_owned()
+        }
         PerformanceFigure::Sight(_) => format!("nonlinear simulation, {}", sight_run(procedure)),
     }
 }
@@ -163,6 +173,14 @@ fn acceptance_test(figure: &PerformanceFigure, of: &LoopProcedure<'_>) -> String
             )
         }
         PerformanceFigure::Sight(figure) => sight_test(*figure, procedure),
+        PerformanceFigure::Certificate(CertificateFigure::LimitCyclePeak) => format!(
+            "with platform and demand at rest, push the axis by hand, let it go and record {} for {} s; use the second half",
+            of.sensor(),
+            procedure.duration_s
+        ),
+        PerformanceFigure::Certificate(_) => {
+            "with platform and demand at rest, raise the gain in steps until an oscillation stays".to_owned()
+        }
     }
 }
 

@@ -3,11 +3,13 @@
 use counterpoise_synth::DisturbanceChannel;
 
 use super::design_findings::describe_part;
+use super::figures::drop_small_sign;
 use counterpoise_pipeline::certificates::{
     CertifiedEquation, CertifiedPart, CertifiedPlant, CertifiedQuantity,
 };
 use counterpoise_pipeline::results::CostedPart;
-use counterpoise_pipeline::studies::comparison::CostSource;
+use counterpoise_pipeline::studies::comparison::{CostSource, PartCostRow, TotalCostResult};
+use counterpoise_plot::number::short_number;
 
 /// Describes what a number that certifies a design is.
 pub fn describe_certified_quantity(quantity: CertifiedQuantity) -> String {
@@ -66,4 +68,29 @@ fn name_channel(channel: DisturbanceChannel) -> &'static str {
         DisturbanceChannel::Heave => "heave",
         DisturbanceChannel::Pitch => "pitch",
     }
+}
+
+/// Returns the total cost of an assembled loop in lines: the sum, then each part with its slope and its best gain. Empty if no total cost was computed.
+pub fn total_cost_lines(cost: Option<&TotalCostResult>) -> Vec<String> {
+    let Some(cost) = cost else { return Vec::new() };
+    let total = format!(
+        "total cost of the assembled loop {}, each part's disturbances under its own weights:",
+        short_number(cost.total)
+    );
+    std::iter::once(total).chain(cost.parts.iter().map(part_cost_line)).collect()
+}
+
+fn part_cost_line(row: &PartCostRow) -> String {
+    let best = match (row.best_gain, row.gained_percent) {
+        (Some(gain), Some(gained)) => {
+            format!("; the best gain is {gain:.4}, which lowers the total by {gained:.3} %")
+        }
+        _ => String::new(),
+    };
+    let slope = drop_small_sign(row.slope);
+    format!(
+        "  {:18} {:>10}, slope {slope:+.4} per unit of its gain{best}",
+        describe_cost_source(row.part),
+        short_number(row.cost)
+    )
 }

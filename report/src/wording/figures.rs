@@ -1,9 +1,11 @@
 //! Names and values of figures, as a person reads them.
 
+use crate::tolerance::{SHOWN_AS_ZERO_DB, SHOWN_DISTANCE};
 use counterpoise_models::ControlledQuantity;
+use counterpoise_plot::number::short_number;
 use counterpoise_verify::{
-    Arrangement, JointExperiment, JointFigure, JointQuantity, LoopFigure, MissingReason, Model,
-    PerformanceFigure, Quantity, RestFigure, SightFigure, Source, StepFigure, TriangleFigure,
+    Arrangement, CertificateFigure, JointExperiment, JointFigure, JointQuantity, LoopFigure, MissingReason,
+    Model, PerformanceFigure, Quantity, RestFigure, SightFigure, Source, StepFigure, TriangleFigure,
 };
 
 /// Returns a number of a printed line: five significant digits, a plain minus sign, and a word for what has
@@ -43,6 +45,15 @@ pub fn describe_figure(figure: PerformanceFigure, controlled: ControlledQuantity
         PerformanceFigure::Rest(RestFigure::HubRms) => format!("RMS {} at rest", controlled.name()),
         PerformanceFigure::Rest(RestFigure::Drift) => "drift at rest".to_owned(),
         PerformanceFigure::Sight(figure) => sight_figure(figure).to_owned(),
+        PerformanceFigure::Certificate(CertificateFigure::GainMargin) => {
+            "gain margin, worst regime".to_owned()
+        }
+        PerformanceFigure::Certificate(CertificateFigure::MaxSensitivity) => {
+            "largest sensitivity Ms, worst regime".to_owned()
+        }
+        PerformanceFigure::Certificate(CertificateFigure::LimitCyclePeak) => {
+            format!("amplitude of the limit cycle that stays, {}", controlled.name())
+        }
     }
 }
 
@@ -69,6 +80,23 @@ pub fn describe_joint_quantity(quantity: JointQuantity) -> &'static str {
         JointQuantity::ElevationSight => "line of sight, elevation",
         JointQuantity::CrossElevationSight => "line of sight, cross-elevation",
         JointQuantity::Sight => "line of sight, total",
+    }
+}
+
+/// Returns a figure in decibels, or 0 if two decimals show it as 0: it is then written without a sign.
+pub fn drop_small_sign(db: f64) -> f64 {
+    if db.abs() < SHOWN_AS_ZERO_DB { 0.0 } else { db }
+}
+
+/// Returns the modulus of a pole with its distance from 1 if six decimals do not show it.
+pub fn describe_modulus(modulus: f64) -> String {
+    let inside = 1.0 - modulus;
+    match inside.abs() {
+        0.0 => "1".to_owned(),
+        distance if distance < SHOWN_DISTANCE => {
+            format!("1 {} {}", if inside > 0.0 { '-' } else { '+' }, short_number(distance))
+        }
+        _ => format!("{modulus:.6}"),
     }
 }
 
@@ -106,6 +134,12 @@ pub fn describe_unmeasured(why: &MissingReason) -> String {
         MissingReason::PlatformStill => "the platform does not move".to_owned(),
         MissingReason::NotANumber => "not a number".to_owned(),
         MissingReason::NoValue => "it could not be measured".to_owned(),
+        MissingReason::NoCertificate => {
+            "the stability certificate was not computed here: `verify` and `design` compute it".to_owned()
+        }
+        MissingReason::NotPredicted => {
+            "the certificate neither shows a limit cycle nor excludes one".to_owned()
+        }
         MissingReason::StepResponse(error) => error.to_string(),
     }
 }

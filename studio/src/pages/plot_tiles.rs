@@ -8,7 +8,7 @@ use crate::charts::chart_heading::HeadingResponse;
 use crate::charts::chart_view::ChartResponse;
 use crate::command::Command;
 use crate::theme::{WindowTheme, space};
-use crate::tile_layout::{PlotDrop, TilePlace, mend_drop};
+use crate::tile_layout::{PlotDrop, TilePlace, repair_drop};
 use crate::view::StudioView;
 
 /// Smallest side of a tile, points: a plot with its axes.
@@ -51,7 +51,7 @@ pub fn show(
     let mut shown = ShownTiles::new(view, queue, place, draw);
     tree.ui(&mut shown, &mut inside);
     if let (true, Some(before), Some(dragged), Some(at)) = (shown.is_dropped, before, dragged, at)
-        && let Some(repaired) = mend_drop(place, &PlotDrop { before: &before, after: &tree, dragged, at })
+        && let Some(repaired) = repair_drop(place, &PlotDrop { before: &before, after: &tree, dragged, at })
     {
         tree = repaired;
     }

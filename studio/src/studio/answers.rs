@@ -8,6 +8,7 @@ use std::time::Duration;
 use counterpoise_verify::VerifiedController;
 
 use super::Studio;
+use crate::command::{DesignTab, Page};
 use crate::design_overlays::OverlayName;
 use crate::jobs::DiagnosisNews;
 use crate::jobs::code_export::WrittenCode;
@@ -65,7 +66,10 @@ impl Studio {
             Some(Ok(design)) => {
                 self.results.design_time = preview.took;
                 let design = Arc::new(*design);
-                self.jobs.loop_view.ask(revision, Arc::clone(&design));
+                // where its charts are not shown they wait until the design rests, as verification does
+                if self.view.page == Page::Design && self.view.design_tab == DesignTab::Loop {
+                    self.jobs.loop_view.ask(revision, Arc::clone(&design));
+                }
                 self.results.design = Some(VersionedResult { revision, value: design });
                 self.verify_at = Some(Moment::now() + VERIFICATION_DELAY);
             }

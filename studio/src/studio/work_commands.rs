@@ -41,6 +41,9 @@ impl Studio {
         if let Some(request) = self.verification_request() {
             let (revision, design) = (request.revision, Arc::clone(&request.value.design));
             self.jobs.verify.ask(revision, request);
+            if self.results.loop_view.as_ref().is_none_or(|shown| shown.revision != revision) {
+                self.jobs.loop_view.ask(revision, Arc::clone(&design));
+            }
             self.jobs.effort.ask(revision, design);
         }
     }

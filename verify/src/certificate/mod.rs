@@ -44,9 +44,10 @@ pub use regime::{Regime, RegimeLoop, Teeth};
 pub use runs::Run;
 pub use sector::SectorProof;
 
+use crate::measure::{MeasuredFigure, Value};
 use crate::structured::Joints;
 use crate::tolerance::{LEAST_CYCLES, MOVES_FLOORS, MOVES_UNSTABLE_FLOORS, RUN_S, STEADY_GROWTH};
-use crate::{Error, Procedure};
+use crate::{CertificateFigure, Error, MissingReason, PerformanceFigure, Procedure};
 
 /// A mechanism with the out-of-balance that is set in the controller: the design's own, or another one of the schedule.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,6 +129,39 @@ impl StabilityCertificate {
         };
         let near = |case: &CaseCertificate| case.worst_regime().map_or(0.0, RegimeLoop::severity);
         self.cases.iter().max_by(|a, b| rank(a).cmp(&rank(b)).then(near(a).total_cmp(&near(b))))
+    }
+}
+
+impl StabilityCertificate {
+    /// Returns the regime of all cases that is nearest to instability, or furthest beyond it, with its case; `None` without regimes.
+    pub fn nearest_to_instability(&self) -> Option<(&CaseCertificate, &RegimeLoop)> {
+        let worst = self.cases.iter().filter_map(|case| Some((case, case.worst_regime()?)));
+        worst.max_by(|(_, a), (_, b)| a.severity().total_cmp(&b.severity()))
+    }
+
+    /// Returns the figures on which a requirement can be stated.
+    pub(crate) fn figures(&self) -> Vec<MeasuredFigure> {
+        let measured =
+            |figure, value| MeasuredFigure { figure: PerformanceFigure::Certificate(figure), value };
+        let mut all = vec![measured(CertificateFigure::LimitCyclePeak, self.limit_cycle_peak())];
+        if let Some((_, at)) = self.nearest_to_instability() {
+            all.push(measured(CertificateFigure::GainMargin, Value::Is(at.gain_margin_db)));
+            all.push(measured(CertificateFigure::MaxSensitivity, Value::Is(at.max_sensitivity)));
+        }
+        all
+    }
+
+    /// Returns the largest limit cycle that stays in any case.
+    fn limit_cycle_peak(&self) -> Value {
+        let peak = |case: &CaseCertificate| match case.stability {
+            Stability::Stable => Some(0.0),
+            Stability::LimitCycle { amplitude_rad_s, .. } => Some(amplitude_rad_s),
+            Stability::Unstable => Some(f64::INFINITY),
+            Stability::NotPredicted => None,
+        };
+        let known: Option<Vec<f64>> = self.cases.iter().map(peak).collect();
+        let absent = Value::Absent { why: MissingReason::NotPredicted };
+        known.map_or(absent, |all| Value::Is(all.into_iter().fold(0.0, f64::max)))
     }
 }
 

@@ -28,6 +28,7 @@ pub fn figures_of(
     let mut simulator = Simulator::new(plant)?;
     for need in needs(wanted, procedure) {
         let measured = match need {
+            Need::Nothing => Vec::new(),
             Need::Simulated(experiment) => {
                 simulate_figures(&mut simulator, controller, procedure, experiment)?
             }
@@ -59,7 +60,7 @@ pub fn history_of(
     figure: &PerformanceFigure,
 ) -> Result<Option<History>, Error> {
     match need_of(figure, procedure) {
-        Need::Margins | Need::Tone(..) => Ok(None),
+        Need::Margins | Need::Tone(..) | Need::Nothing => Ok(None),
         Need::Linear(experiment) => {
             LinearLoop::new(plant, controller, procedure)?.history(experiment, procedure)
         }
@@ -80,6 +81,8 @@ enum Need {
     Tone(Arrangement, f64),
     Linear(Experiment),
     Simulated(Experiment),
+    /// No work: a figure of the stability certificate, which is not computed for one of many mechanisms.
+    Nothing,
 }
 
 fn needs(wanted: &[PerformanceFigure], procedure: &Procedure) -> Vec<Need> {
@@ -108,6 +111,7 @@ fn need_of(figure: &PerformanceFigure, procedure: &Procedure) -> Need {
         PerformanceFigure::Rejection { arrangement, frequency_hz, .. } => {
             Need::Tone(arrangement, frequency_hz)
         }
+        PerformanceFigure::Certificate(_) => Need::Nothing,
         PerformanceFigure::Rest(_) => Need::Simulated(Experiment::Rest),
         PerformanceFigure::Sight(_) => Need::Simulated(line_of_sight::sight_experiment(procedure)),
     }
@@ -154,6 +158,7 @@ impl<'a> LinearLoop<'a> {
 
     fn measure(&self, need: Need, procedure: &Procedure) -> Result<Vec<MeasuredFigure>, Error> {
         match need {
+            Need::Nothing => Ok(Vec::new()),
             Need::Margins => {
                 let closed = self.close_loop(Arrangement::Compensated)?;
                 let broken = closed.broken.as_ref().ok_or(Error::NoController)?;
