@@ -46,7 +46,9 @@ pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         run_command(arguments.command.as_ref().unwrap_or(&window)).unwrap_or_else(|error| {
             print_message(&output::error_chain(&error));
             let paths: Vec<PathBuf> = given.iter().map(PathBuf::from).collect();
-            examples::describe_missing_example(&paths).iter().for_each(|note| print_message(note));
+            let note = examples::describe_missing_example(&paths);
+            let note = note.or_else(|| commands::new::describe_missing_project(&error));
+            note.iter().for_each(|note| print_message(note));
             if error.is::<Interruption>() { ExitStatus(INTERRUPTED) } else { ExitStatus::BAD_INPUT }
         });
     // Work that was asked to stop has handed over what it had; it is not the result that was asked for.

@@ -11,7 +11,7 @@ use crate::options::ResultOutput;
 use counterpoise_host::files::state_folder;
 use counterpoise_host::journals::has_unsaved_edits;
 use counterpoise_host::json::json_text;
-use counterpoise_host::projects::{self, ProjectOnDisk};
+use counterpoise_host::projects::{self, BadProject, ProjectOnDisk};
 use counterpoise_host::result_files::{ResultFolder, ResultTable, number_cell};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::terminal::escape_controls;
@@ -46,24 +46,17 @@ macro_rules! say {
 }
 pub(crate) use say;
 
-/// Returns an error and its causes, one below the other. A cause that the line above it quotes is not repeated.
-pub fn error_chain(error: &anyhow::Error) -> String {
-    format!("error: {}", error_causes(error, describe_error).join("\n  because: "))
+/// Prints lines to standard output.
+pub fn print_lines(lines: &[String]) {
+    lines.iter().for_each(|line| say!("{line}"));
 }
 
-/// Returns a number of a printed line: five significant digits, a plain minus sign, and a word for what has
-/// no bound.
-pub fn format_figure(value: f64) -> String {
-    if !value.is_finite() {
-        let sign = if value < 0.0 { "minus " } else { "" };
-        return format!("{sign}infinite");
-    }
-    let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
-    if !(-4.0..7.0).contains(&magnitude) {
-        return format!("{value:.4e}");
-    }
-    let decimals = (4.0 - magnitude).clamp(0.0, 8.0) as usize;
-    format!("{value:.decimals$}")
+/// Returns an error and its causes, one below the other. A cause that the line above it quotes is not repeated.
+/// The errors of a project file say of themselves that they are errors, each after its place.
+pub fn error_chain(error: &anyhow::Error) -> String {
+    let told = error_causes(error, describe_error).join("\n  because: ");
+    let is_list = error.chain().next().is_some_and(|first| first.is::<BadProject>());
+    if is_list { told } else { format!("error: {told}") }
 }
 
 /// Writes a result as JSON and as files of data where that was asked for; says whether the JSON went to standard output.
@@ -214,13 +207,6 @@ mod tests {
         let expected = serde_json::json!({"schema": SCHEMA, "files": ["a.c"]});
         assert_eq!(serde_json::from_str::<serde_json::Value>(&with_schema(listed)).unwrap(), expected);
         assert_eq!(with(serde_json::json!({})), "{}\n");
-    }
-
-    #[test]
-    fn printed_figures_keep_their_digits_at_every_size() {
-        let texts: Vec<String> =
-            [14.49204, -0.000_123_456, 0.0, 151_670.4, 2.5e9, f64::INFINITY].map(format_figure).into();
-        assert_eq!(texts, ["14.492", "-0.00012346", "0.0000", "151670", "2.5000e9", "infinite"]);
     }
 
     #[test]

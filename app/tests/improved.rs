@@ -46,7 +46,7 @@ fn what_a_diagnosis_saves_every_command_takes() {
         "Control against rate",
         "Spectra of the errors",
         "Residual tests",
-        "Where and when",
+        "Localisation",
         "What was tried",
     ] {
         assert!(page.contains(part), "{part}");

@@ -3,7 +3,7 @@
 
 use counterpoise_pipeline::export::target_proofs::StepCosts;
 use counterpoise_pipeline::results::DesignResult;
-use counterpoise_pipeline::{World, design_project};
+use counterpoise_pipeline::{DesignContents, World, design_project};
 use counterpoise_project::Project;
 use counterpoise_report::design::DesignRun;
 use counterpoise_report::wording::code_header::HeaderText;
@@ -24,7 +24,7 @@ impl World for Example {
 fn the_report_of_the_reference_rig_holds_every_part_and_stays_small() {
     let text = std::fs::read_to_string(format!("{FOLDER}project.toml")).unwrap();
     let project = Project::parse(&text, "project.toml").unwrap().project;
-    let designed = design_project(&project, &HeaderText, &Example).unwrap();
+    let designed = design_project(&project, &DesignContents::default(), &HeaderText, &Example).unwrap();
     let run = DesignRun {
         origin: &ReportOrigin::default(),
         times: &[],

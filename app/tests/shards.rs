@@ -19,7 +19,9 @@ fn every_single_bit_error_of_a_shard_is_refused() {
     let folder = folder_with("shard_bits", CAMPAIGN);
     let loaded = projects::load_project(&folder, Purpose::Sweep).unwrap();
     let world = ProjectWorld::of(&loaded, ProgressDisplay::Quiet);
-    let designed = pipeline::design_project(&loaded.project, &HeaderText, &world).unwrap();
+    let designed =
+        pipeline::design_project(&loaded.project, &pipeline::DesignContents::default(), &HeaderText, &world)
+            .unwrap();
     let campaign = pipeline::prepare_campaign(
         &loaded.project,
         &designed.stages.modelled,

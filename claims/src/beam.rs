@@ -2,7 +2,7 @@
 
 use counterpoise_models::parameters::{Beam, BeamSection, SectionShape};
 use counterpoise_models::structure::{
-    AttachedMasses, FeModel, FeOptions, Integration, Mesh, Support, Theory, undamped_modes,
+    AttachedMasses, ElementMesh, FeModel, FeOptions, Integration, Support, Theory, undamped_modes,
 };
 
 use super::drawing::{ClaimCurve, CurveStyle, make_figure, make_panel};
@@ -39,15 +39,15 @@ const FIRST_MODES: usize = 5;
 const PLACES: usize = 24;
 
 /// Free-free flexible frequencies, rad/s.
-fn frequencies(beam: &Beam, mesh: Mesh, integration: Integration) -> Result<Vec<f64>, PipelineError> {
+fn frequencies(beam: &Beam, mesh: ElementMesh, integration: Integration) -> Result<Vec<f64>, PipelineError> {
     let options = FeOptions { mesh, theory: Theory::BernoulliEuler, integration };
     let model = FeModel::beam(beam, &AttachedMasses::default(), &options)?;
     Ok(undamped_modes(&model, Support::Free)?.flexible_rad_s().to_vec())
 }
 
 /// Deviations of a mesh from the fine one, %, mode by mode.
-fn deviations(beam: &Beam, mesh: Mesh, integration: Integration) -> Result<Vec<f64>, PipelineError> {
-    let fine = frequencies(beam, Mesh::Equal(FINE), Integration::Quadrature)?;
+fn deviations(beam: &Beam, mesh: ElementMesh, integration: Integration) -> Result<Vec<f64>, PipelineError> {
+    let fine = frequencies(beam, ElementMesh::Equal(FINE), Integration::Quadrature)?;
     let coarse = frequencies(beam, mesh, integration)?;
     Ok(coarse.iter().zip(&fine).map(|(a, b)| 100.0 * (a / b - 1.0)).collect())
 }
@@ -89,27 +89,28 @@ struct BeamAssumptions {
 }
 
 fn try_integration(beam: &Beam, integration: Integration) -> Result<BeamAssumptions, PipelineError> {
-    let first = |beam: &Beam, mesh: Mesh| -> Result<f64, PipelineError> {
+    let first = |beam: &Beam, mesh: ElementMesh| -> Result<f64, PipelineError> {
         Ok(deviations(beam, mesh, integration)?.first().copied().unwrap_or(f64::NAN))
     };
-    let at_sections = first(beam, Mesh::Nodes(stations(beam)))?;
+    let at_sections = first(beam, ElementMesh::Nodes(stations(beam)))?;
     let smooth = cone(beam);
-    let cone = smooth.as_ref().map_or(Ok(f64::NAN), |cone| first(cone, Mesh::Equal(3)))?;
-    let by_law = |cone: &Beam| deviations(cone, Mesh::Equal(3), Integration::PowerLaw).ok()?.first().copied();
+    let cone = smooth.as_ref().map_or(Ok(f64::NAN), |cone| first(cone, ElementMesh::Equal(3)))?;
+    let by_law =
+        |cone: &Beam| deviations(cone, ElementMesh::Equal(3), Integration::PowerLaw).ok()?.first().copied();
     let power_law = smooth.as_ref().and_then(by_law).unwrap_or(f64::NAN);
     Ok(BeamAssumptions { at_sections, cone, power_law, range: range(beam, integration)? })
 }
 
 /// Returns mode 1 of three elements over all places of the two inner nodes.
 fn range(beam: &Beam, integration: Integration) -> Result<[f64; 3], PipelineError> {
-    let fine = frequencies(beam, Mesh::Equal(FINE), Integration::Quadrature)?[0];
+    let fine = frequencies(beam, ElementMesh::Equal(FINE), Integration::Quadrature)?[0];
     let ends = stations(beam);
     let (from, to) = (ends[0], ends[ends.len() - 1]);
     let at = |k: usize| from + (to - from) * k as f64 / PLACES as f64;
     let mut found = [f64::MAX, f64::MIN, f64::MAX];
     for a in 1..PLACES - 1 {
         for b in a + 1..PLACES {
-            let mesh = Mesh::Nodes(vec![from, at(a), at(b), to]);
+            let mesh = ElementMesh::Nodes(vec![from, at(a), at(b), to]);
             let error = 100.0 * (frequencies(beam, mesh, integration)?[0] / fine - 1.0);
             let nearest = if error.abs() < found[2].abs() { error } else { found[2] };
             found = [found[0].min(error), found[1].max(error), nearest];
@@ -133,7 +134,7 @@ fn picture(
         |values: Vec<f64>| values.iter().enumerate().map(|(k, v)| Point::new((k + 1) as f64, *v)).collect();
     let mut curves = Vec::new();
     for column in columns {
-        let own = deviations(beam, Mesh::Equal(column.0), integration)?;
+        let own = deviations(beam, ElementMesh::Equal(column.0), integration)?;
         let count = column.1.len();
         curves.push(ClaimCurve::points(
             format!("{} elements", column.0),
@@ -160,7 +161,7 @@ fn every_column(
 ) -> Result<String, PipelineError> {
     let mut words = Vec::new();
     for column in columns {
-        let own = deviations(beam, Mesh::Equal(column.0), integration)?;
+        let own = deviations(beam, ElementMesh::Equal(column.0), integration)?;
         let shown = own.len().min(if column.0 > 3 { FIRST_MODES } else { column.1.len() });
         words.push(format!("{}: {}", column.0, percent(&own[..shown])));
     }
@@ -180,8 +181,8 @@ pub fn uniform_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErro
     let says = "14 uniform elements are within 4 % for modes 1 to 5, 3 within 1 % on mode 1 (free-free)";
     let Some(beam) = &tested.project.plant.beam else { return Ok(no_beam(id, title, says)) };
     let (all, integration) = (&UNIFORM, Integration::UniformAverage);
-    let many = deviations(beam, Mesh::Equal(14), integration)?;
-    let few = deviations(beam, Mesh::Equal(3), integration)?;
+    let many = deviations(beam, ElementMesh::Equal(14), integration)?;
+    let few = deviations(beam, ElementMesh::Equal(3), integration)?;
     let largest = many.iter().take(FIRST_MODES).map(|off| off.abs()).fold(0.0, f64::max);
     let first = few.first().copied().unwrap_or(f64::NAN);
     let found = try_integration(beam, integration)?;
@@ -237,8 +238,8 @@ pub fn tapered_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErro
     let first = |r: &[f64]| r.first().copied().unwrap_or(f64::NAN);
     let (mut nearer, mut words, mut criteria) = (true, Vec::new(), Vec::new());
     for column in &TAPERED {
-        let uniform = deviations(beam, Mesh::Equal(column.0), Integration::UniformAverage)?;
-        let tapered = deviations(beam, Mesh::Equal(column.0), integration)?;
+        let uniform = deviations(beam, ElementMesh::Equal(column.0), Integration::UniformAverage)?;
+        let tapered = deviations(beam, ElementMesh::Equal(column.0), integration)?;
         nearer &= first(&tapered).abs() <= first(&uniform).abs();
         criteria.extend(column_criteria(column, &tapered, &uniform));
         let (a, b) = (first(&tapered), first(&uniform));
@@ -249,7 +250,7 @@ pub fn tapered_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErro
             mean(&uniform)
         ));
     }
-    let equal = first(&deviations(beam, Mesh::Equal(3), integration)?);
+    let equal = first(&deviations(beam, ElementMesh::Equal(3), integration)?);
     let found = try_integration(beam, integration)?;
     let own = |all: &[PrintedFrequencies], k: usize| mean(&printed_deviations(&all[k]));
     let why = format!(

@@ -12,6 +12,7 @@ use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::LAWS_AGREE_DB;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
+use ndarray::{Array2, ArrayView1};
 
 /// Full amplitude of the platform's pitch rate, rad/s, the thesis' shares of it, and the frequencies of the map, Hz.
 const PITCH_RAD_S: f64 = 0.2;
@@ -20,8 +21,8 @@ const FREQUENCIES_HZ: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 /// Damping of a bristle as a fraction of critical at the hub: what a user who knows nothing better writes.
 const BRISTLE_DAMPING: f64 = 0.3;
 
-/// Complex responses at every frequency, amplitude after amplitude.
-type Map = Vec<Vec<C64>>;
+/// Complex responses, amplitude x frequency.
+type AmplitudeMap = Array2<C64>;
 
 /// A law by its name, from what it shares with all others: level and stiffness at rest.
 type LawConstructor = fn(LawConstants) -> FrictionLaw;
@@ -104,14 +105,18 @@ fn with_law(parameters: &Parameters, law: FrictionLaw) -> Parameters {
 }
 
 /// Platform gyroscope to hub gyroscope over amplitudes and frequencies.
-fn map(parameters: &Parameters) -> Result<Map, PipelineError> {
+fn map(parameters: &Parameters) -> Result<AmplitudeMap, PipelineError> {
     let plant = Plant::from_lumped(parameters)?;
     let settings = Settings { least_duration_s: 1.0, settled_below: 1e-3, ..Settings::default() };
     let one = |share: f64, hz: f64| -> Result<C64, PipelineError> {
         let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: share * PITCH_RAD_S };
         Ok(measure_point(&plant, &mut ZeroControl, Test::PlatformToHub, at, &settings)?.response.value)
     };
-    SHARES.iter().map(|&share| FREQUENCIES_HZ.iter().map(|&hz| one(share, hz)).collect()).collect()
+    let mut map = AmplitudeMap::zeros((SHARES.len(), FREQUENCIES_HZ.len()));
+    for ((row, column), value) in map.indexed_iter_mut() {
+        *value = one(SHARES[row], FREQUENCIES_HZ[column])?;
+    }
+    Ok(map)
 }
 
 /// A control of nothing.
@@ -126,13 +131,13 @@ impl counterpoise_controller::SampledController for ZeroControl {
 
 /// Returns the RMS over the frequencies of the difference between two responses, in dB of the larger change of
 /// gain or phase.
-fn apart_db(a: &[C64], b: &[C64]) -> f64 {
+fn apart_db(a: ArrayView1<'_, C64>, b: ArrayView1<'_, C64>) -> f64 {
     let one = |(x, y): (&C64, &C64)| (20.0 * (1.0 + (x / y - 1.0).norm()).log10()).powi(2);
     (a.iter().zip(b).map(one).sum::<f64>() / a.len() as f64).sqrt()
 }
 
-fn distances(a: &Map, b: &Map) -> Vec<f64> {
-    a.iter().zip(b).map(|(x, y)| apart_db(x, y)).collect()
+fn distances(a: &AmplitudeMap, b: &AmplitudeMap) -> Vec<f64> {
+    a.rows().into_iter().zip(b.rows()).map(|(x, y)| apart_db(x, y)).collect()
 }
 
 fn total_distance(distances: &[f64]) -> f64 {
@@ -226,7 +231,7 @@ fn friction_laws_over_amplitude_criteria(rows: &[LawDistances], large: f64) -> V
 /// A law with its frequency map.
 struct LawMap {
     law: &'static str,
-    map: Map,
+    map: AmplitudeMap,
 }
 
 /// Distance of the map of a law from that of the machine.
@@ -259,8 +264,13 @@ fn friction_laws_over_amplitude_figures(rows: &[LawDistances], maps: &[LawMap]) 
         vec![make_figure("Distance of each friction law from the rig's, over amplitude", x, vec![distances])];
     for (k, share) in SHARES.iter().enumerate().filter(|(k, _)| [0, SHARES.len() - 1].contains(k)) {
         let of = |what: &dyn Fn(&C64) -> f64| -> Vec<ClaimCurve> {
-            let points = |map: &Map| {
-                FREQUENCIES_HZ.iter().copied().zip(map[k].iter().map(what)).map(Point::from).collect()
+            let points = |map: &AmplitudeMap| {
+                FREQUENCIES_HZ
+                    .iter()
+                    .copied()
+                    .zip(map.row(k).into_iter().map(what))
+                    .map(Point::from)
+                    .collect()
             };
             maps.iter().map(|one| ClaimCurve::points(one.law, points(&one.map))).collect()
         };
@@ -479,7 +489,7 @@ fn fitted_criteria(a: &FitResult, b: &FitResult, dahl: f64) -> Vec<Criterion> {
 }
 
 /// Returns the distance from the rig's map over amplitude, before and after the fit.
-fn fitted_friction_laws_figure(truth: &Map, maps: [LawMap; 4]) -> Drawing {
+fn fitted_friction_laws_figure(truth: &AmplitudeMap, maps: [LawMap; 4]) -> Drawing {
     let one = |(k, LawMap { law, map }): (usize, LawMap)| {
         let points = SHARES.iter().copied().zip(distances(&map, truth)).map(Point::from).collect();
         if k % 2 == 0 { ClaimCurve::reference(law, points) } else { ClaimCurve::points(law, points) }

@@ -346,7 +346,7 @@ pub fn gravity_over_elevation(tested: &TestedDesign<'_>) -> Result<Claim, Pipeli
         ),
         criteria: vec![
             Criterion::at_most(
-                "largest departure from the cosine law, relative",
+                "largest deviation from the cosine law, relative",
                 "cosine",
                 worst,
                 1e-3,

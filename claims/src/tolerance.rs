@@ -3,7 +3,7 @@
 /// Relative and absolute tolerance of a step, on states divided by their own size.
 pub(crate) const STEP_TOLERANCE: f64 = 1e-5;
 
-/// A state counts as unseen below this share of the system's size.
+/// A state counts as unobservable below this share of the system's size.
 pub(crate) const UNSEEN_STATE: f64 = 1e-11;
 
 /// Least error over tolerance that a step is given: the next step's length divides by a power of it. So small an error lengthens the step

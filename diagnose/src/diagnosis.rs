@@ -25,7 +25,7 @@ use crate::recording::gap_repair::repair_gaps;
 use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
 use crate::recording::measured_signals::read_signals;
 use crate::recording::noise::{with_noise_levels_of, with_recorded_noise};
-use crate::recording::remarks::{Comparison, RecordingRemark};
+use crate::recording::remarks::{ComparisonState, RecordingRemark};
 use crate::recording::sanity_checks::{check_control, check_signals};
 use crate::recording::unknown_heave::drop_unknown_heave;
 use crate::selection::searcher::Searcher;
@@ -85,7 +85,7 @@ impl Diagnosis {
             other => other,
         };
         answer.findings.splice(0..0, faults.iter().map(make_finding));
-        answer.qualification.splice(0..0, faults.iter().cloned().map(RecordingRemark::Fault));
+        answer.remarks.splice(0..0, faults.iter().cloned().map(RecordingRemark::Fault));
         self
     }
 }
@@ -136,7 +136,7 @@ fn diagnose_as_built(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Er
     let control = if foreign.is_empty() { control.clone() } else { ReplayLoop::Open };
     let (heard, remarks) = drop_unknown_heave(examined.recordings);
     let mut found = diagnose_of(Sizes::TYPICAL, base, control, &heard, pool)?.with_faults(&examined.faults);
-    found.answer.qualification.splice(0..0, foreign.into_iter().chain(remarks));
+    found.answer.remarks.splice(0..0, foreign.into_iter().chain(remarks));
     Ok(found)
 }
 
@@ -182,12 +182,12 @@ fn diagnose_of(
 ) -> Result<Diagnosis, Error> {
     check(base, recordings, &control)?;
     pool.progress("checking", 0, 1);
-    let (mut sound, mut qualification) = check_recordings(base, recordings)?;
+    let (mut sound, mut remarks) = check_recordings(base, recordings)?;
     let most = match sizes.typical {
         true => SAMPLES_AT_MOST,
         false => textbook_samples(base, &control, &sound, pool),
     };
-    shorten(&mut sound, most, &mut qualification);
+    shorten(&mut sound, most, &mut remarks);
     let examined = recordings;
     let recordings = sound.as_slice();
     let project = base;
@@ -219,7 +219,7 @@ fn diagnose_of(
         search: &search,
         map: localisation,
         isolability,
-        qualification,
+        remarks,
         sizes,
     };
     let Explanation { answer, improved } = explain(&searcher, evidence);
@@ -240,7 +240,7 @@ fn with_steps_enough<'a>(
     }
 }
 
-/// Locates where the recordings depart from the replay of the model as it was: component by regime.
+/// Locates the residuals of the replay of the model as it was: component by regime.
 fn locate_error(
     base: &Parameters,
     simulator: &RecordingReplays,
@@ -368,7 +368,7 @@ fn check_recordings(
                 .unwrap_or_default();
             for remark in remarks {
                 let out = remark.anomaly.is_disqualifying() && left_out(&mut part, remark.channel);
-                let comparison = if out { Comparison::NotCompared } else { Comparison::Compared };
+                let comparison = if out { ComparisonState::NotCompared } else { ComparisonState::Compared };
                 told.push(RecordingRemark::Checked { remark, comparison });
             }
             sound.push(part);

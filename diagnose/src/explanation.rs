@@ -77,7 +77,7 @@ fn copy_of<'e>(evidence: &VerdictEvidence<'e>) -> VerdictEvidence<'e> {
         search: evidence.search,
         map: Vec::new(),
         isolability: evidence.isolability.clone(),
-        qualification: Vec::new(),
+        remarks: Vec::new(),
         sizes: evidence.sizes,
     }
 }
@@ -134,7 +134,7 @@ impl Rest {
 /// Returns an answer whose names are as probable as the comparison with a free function allows.
 fn lower_confidence(mut answer: Answer, even: Option<Comparison>) -> Answer {
     let Some(comparison) = even else { return answer };
-    let share = 1.0 / (1.0 + (RIVAL_DECAY * comparison.ahead_nats.min(0.0)).exp());
+    let share = 1.0 / (1.0 + (RIVAL_DECAY * comparison.function_gain_nats.min(0.0)).exp());
     for finding in &mut answer.findings {
         finding.probability *= share;
         let unknown = Name { effect: EffectName::Unknown, component: finding.component };

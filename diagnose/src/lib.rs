@@ -7,7 +7,7 @@
 //! The story, in the order of the modules:
 //!
 //! 1. [`recording`]: recordings are repaired, checked, and freed from the faults of their instruments before any physics.
-//! 2. [`localisation`]: which component departs from its model, and in which regime.
+//! 2. [`localisation`]: which component is in error, and in which regime.
 //! 3. [`library`]: the effects of physics that a machine may have and its model may lack.
 //! 4. [`simulator_access`]: what is asked of the simulator.
 //! 5. [`fitting`]: effects are fitted in the simulator, and judged on held-out data.

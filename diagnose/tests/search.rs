@@ -118,7 +118,7 @@ fn diagnose_machine(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
         map: vec![],
         isolability: vec![],
         sizes: Sizes::TYPICAL,
-        qualification: vec![],
+        remarks: vec![],
     };
     evidence.answer()
 }

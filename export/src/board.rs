@@ -107,7 +107,7 @@ pub struct CodeCost {
 
 impl CodeCost {
     /// Reads what the counter printed, what [`SIZER`] said of the controller's object file, and the compiler's stack
-    /// usage file. Nothing where one of them is not as expected, or where the self test failed on the target.
+    /// usage file. Nothing if one of them is not as expected, or if the self test failed on the target.
     pub fn read(counted: &str, sizes: &str, stack_usage: &str) -> Option<Self> {
         let words: Vec<&str> = counted.split_whitespace().collect();
         let ["wrong", "0", "step", step, "set", set, "state", state] = words.as_slice() else { return None };

@@ -70,7 +70,7 @@ pub struct ExperimentFigures {
     pub experiment: Experiment,
     /// RMS of demand less hub rate, rad/s.
     pub error_rms_rad_s: f64,
-    /// That against double, dB: what the numbers cost in rejection. Nothing where the loop in double has no error at all.
+    /// That against double, dB: what the numbers cost in rejection. Nothing if the loop in double has no error at all.
     pub cost_db: Option<f64>,
     /// Demand less hub rate, rad/s, one each a sample.
     pub errors_rad_s: Vec<f64>,

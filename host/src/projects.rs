@@ -57,6 +57,16 @@ pub struct BadProject {
     pub document: Document,
 }
 
+/// A project file that cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot read the project file {}", .path.display())]
+pub struct UnreadProject {
+    /// Path of the file.
+    pub path: PathBuf,
+    /// The error of the file system.
+    pub source: std::io::Error,
+}
+
 impl ProjectOnDisk {
     /// Returns whether trials left an adaptation out that the project asks for.
     pub fn adaptation_is_left_out(&self) -> bool {
@@ -125,8 +135,8 @@ const QUOTED: usize = 1 << 20;
 /// # Errors
 /// A file that cannot be read or is not text.
 pub fn read_as_written(path: &Path) -> Result<(Document, Attachments)> {
-    let bytes =
-        NativeDisk.read(path).with_context(|| format!("cannot read the project file {}", path.display()))?;
+    let unread = |source| UnreadProject { path: path.to_owned(), source };
+    let bytes = NativeDisk.read(path).map_err(unread)?;
     let name = path.display().to_string();
     // What a message quotes of a file that is no text, or too large, stands at its beginning.
     let lossy = || Document::parse(&String::from_utf8_lossy(&bytes[..bytes.len().min(QUOTED)]), &name);

@@ -15,7 +15,7 @@ use crate::tolerance::{EPS, GENERALISED_SYLVESTER_REFINEMENTS};
 /// refined with residuals in twice the working precision, so that what the inversion cost is won back.
 ///
 /// # Errors
-/// Wrong shapes, entries that are not finite, [`Error::CommonEigenvalue`], or [`Error::Singular`] where both matrices of a
+/// Wrong shapes, entries that are not finite, [`Error::CommonEigenvalue`], or [`Error::Singular`] if both matrices of a
 /// pair are singular (the equation may still have a solution, this method does not find it).
 pub fn gsylvester(A: &Mat, B: &Mat, C: &Mat, D: &Mat, E: &Mat) -> Result<Mat, Error> {
     let (m, n) = E.shape();

@@ -20,7 +20,7 @@ impl Schur {
     /// must not cut a complex pair.
     ///
     /// # Errors
-    /// [`Error::CommonEigenvalue`] where the two parts share an eigenvalue, and a `count` that cuts a pair or exceeds the
+    /// [`Error::CommonEigenvalue`] if the two parts share an eigenvalue, and a `count` that cuts a pair or exceeds the
     /// order ([`Error::Shape`]).
     pub fn condition(&self, count: usize) -> Result<Subspace, Error> {
         let n = self.T.nrows();

@@ -256,7 +256,7 @@ impl<T: Scalar> Dense<T> {
         largest * sum.sqrt()
     }
 
-    /// Returns the largest modulus of an entry; NaN where an entry is NaN.
+    /// Returns the largest modulus of an entry; NaN if an entry is NaN.
     pub fn norm_max(&self) -> f64 {
         self.data.iter().map(|e| e.modulus()).fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
     }

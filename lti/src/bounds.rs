@@ -17,7 +17,7 @@ use counterpoise_linalg::{self as linalg, StateRealisation};
 /// from what was known, the place is uncertain, too, and a small system's response is searched.
 ///
 /// # Errors
-/// [`Error::Matrix`] where a decomposition fails.
+/// [`Error::Matrix`] if a decomposition fails.
 pub(crate) fn with_care(g: &StateSpace, peak: Peak, tolerance: f64) -> Result<Peak, Error> {
     if !peak.rate_rad_s.is_finite() || g.order() == 0 || peak.value == 0.0 {
         return Ok(peak);

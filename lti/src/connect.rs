@@ -10,7 +10,7 @@ use counterpoise_linalg as linalg;
 /// Returns `y = h (g u)`: h after g, with the states [g; h].
 ///
 /// # Errors
-/// [`Error::Timebase`] for different timebases, [`Error::Shape`] where g has not as many outputs as h has inputs.
+/// [`Error::Timebase`] for different timebases, [`Error::Shape`] if g has not as many outputs as h has inputs.
 pub fn series(g: &StateSpace, h: &StateSpace) -> Result<StateSpace, Error> {
     let timebase = same_timebase("series", g, h)?;
     fits("series: outputs of the first, inputs of the second", g.outputs(), h.inputs())?;
@@ -25,7 +25,7 @@ pub fn series(g: &StateSpace, h: &StateSpace) -> Result<StateSpace, Error> {
 /// Returns `y = g u + h u`, with the states [g; h].
 ///
 /// # Errors
-/// [`Error::Timebase`] for different timebases, [`Error::Shape`] where inputs or outputs differ in number.
+/// [`Error::Timebase`] for different timebases, [`Error::Shape`] if inputs or outputs differ in number.
 pub fn parallel(g: &StateSpace, h: &StateSpace) -> Result<StateSpace, Error> {
     let timebase = same_timebase("parallel", g, h)?;
     fits("parallel: inputs", g.inputs(), h.inputs())?;
@@ -59,7 +59,7 @@ pub fn append(g: &StateSpace, h: &StateSpace) -> Result<StateSpace, Error> {
 /// from r to y, with the states [l; h].
 ///
 /// # Errors
-/// [`Error::Timebase`], [`Error::Shape`], and [`Error::AlgebraicLoop`] where I + Dl Dh is singular.
+/// [`Error::Timebase`], [`Error::Shape`], and [`Error::AlgebraicLoop`] if I + Dl Dh is singular.
 pub fn feedback(l: &StateSpace, h: &StateSpace) -> Result<StateSpace, Error> {
     same_timebase("feedback", l, h)?;
     fits("feedback: outputs of the path, inputs of the return", l.outputs(), h.inputs())?;
@@ -86,7 +86,7 @@ pub fn feedback(l: &StateSpace, h: &StateSpace) -> Result<StateSpace, Error> {
 /// from w to z, with the states [P; K]. The last `K.outputs()` inputs of P are u, its last `K.inputs()` outputs are y.
 ///
 /// # Errors
-/// [`Error::Timebase`], [`Error::Shape`] where P is smaller than K, [`Error::AlgebraicLoop`] where I - D22 Dk is
+/// [`Error::Timebase`], [`Error::Shape`] if P is smaller than K, [`Error::AlgebraicLoop`] if I - D22 Dk is
 /// singular.
 pub fn lft(P: &StateSpace, K: &StateSpace) -> Result<StateSpace, Error> {
     let both = append(P, K)?;
@@ -125,7 +125,7 @@ pub struct Wiring<'a> {
 /// With N = inv(I - D F): A + B F N C, B (E + F N D E), S N C, S N D E.
 ///
 /// # Errors
-/// [`Error::Shape`] where the wires do not fit, [`Error::AlgebraicLoop`] where I - D F is singular.
+/// [`Error::Shape`] if the wires do not fit, [`Error::AlgebraicLoop`] if I - D F is singular.
 pub fn interconnect(what: &'static str, g: &StateSpace, wires: &Wiring) -> Result<StateSpace, Error> {
     let Wiring { F, E, S } = *wires;
     let (m, p) = (g.inputs(), g.outputs());
@@ -144,7 +144,7 @@ pub fn interconnect(what: &'static str, g: &StateSpace, wires: &Wiring) -> Resul
 /// Returns the inverse system, from y to u: A - B inv(D) C, B inv(D), -inv(D) C, inv(D).
 ///
 /// # Errors
-/// [`Error::Shape`] where D is not square, [`Error::AlgebraicLoop`] where it is singular: then the inverse is improper.
+/// [`Error::Shape`] if D is not square, [`Error::AlgebraicLoop`] if it is singular: then the inverse is improper.
 pub fn inverse(g: &StateSpace) -> Result<StateSpace, Error> {
     fits("inverse: outputs, inputs", g.outputs(), g.inputs())?;
     let Di = loop_inverse("inverse", &g.D)?;
@@ -161,7 +161,7 @@ impl StateSpace {
     /// Returns `y = diag(outputs) g diag(inputs) u`: a change of the signals' units.
     ///
     /// # Errors
-    /// [`Error::Shape`] where the factors are not one a signal, [`Error::NotFinite`].
+    /// [`Error::Shape`] if the factors are not one a signal, [`Error::NotFinite`].
     pub fn scale_io(&self, outputs: &[f64], inputs: &[f64]) -> Result<Self, Error> {
         fits("scale_io: outputs", outputs.len(), self.outputs())?;
         fits("scale_io: inputs", inputs.len(), self.inputs())?;
@@ -196,7 +196,7 @@ impl StateSpace {
 /// Returns the timebase that both systems have.
 ///
 /// # Errors
-/// [`Error::Timebase`] where they differ.
+/// [`Error::Timebase`] if they differ.
 pub(crate) fn same_timebase(what: &'static str, g: &StateSpace, h: &StateSpace) -> Result<Timebase, Error> {
     if g.timebase == h.timebase {
         return Ok(g.timebase);

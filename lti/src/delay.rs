@@ -55,7 +55,7 @@ fn ladder(order: usize) -> Mat {
 /// Returns z^-samples for one signal: a shift register.
 ///
 /// # Errors
-/// [`Error::Period`] where the period is not positive, [`Error::Range`] for more than [`MOST_DELAY_STATES`] samples.
+/// [`Error::Period`] if the period is not positive, [`Error::Range`] for more than [`MOST_DELAY_STATES`] samples.
 pub fn delay_samples(samples: usize, period_s: f64) -> Result<StateSpace, Error> {
     needs_few("samples of delay", samples)?;
     let timebase = Timebase::Discrete { period_s };

@@ -38,7 +38,7 @@ impl Descriptor {
     /// Returns the system with the given matrices.
     ///
     /// # Errors
-    /// [`Error::Shape`] where E is not of the shape of A, [`Error::NotFinite`].
+    /// [`Error::Shape`] if E is not of the shape of A, [`Error::NotFinite`].
     pub fn new(E: Mat, system: StateSpace) -> Result<Self, Error> {
         if E.shape() != system.A.shape() {
             return Err(Error::Shape { what: "E", found: E.shape(), expected: system.A.shape() });
@@ -58,7 +58,7 @@ impl Descriptor {
     /// them as they blur singular values. O(n^3) a round.
     ///
     /// # Errors
-    /// [`Error::SingularPencil`] where the constraints do not determine the variables: there is no transfer function.
+    /// [`Error::SingularPencil`] if the constraints do not determine the variables: there is no transfer function.
     pub fn reduce_index(&self) -> Result<ReducedDescriptor, Error> {
         let (mut pencil, rate) = Pencil::scale_system(self);
         let mut rounds = 0;
@@ -71,7 +71,7 @@ impl Descriptor {
     /// Returns the proper system with this transfer function.
     ///
     /// # Errors
-    /// As [`Descriptor::reduce_index`]; [`Error::Improper`] where an output contains a derivative of an input.
+    /// As [`Descriptor::reduce_index`]; [`Error::Improper`] if an output contains a derivative of an input.
     pub fn to_state_space(&self) -> Result<StateSpace, Error> {
         let reduced = self.reduce_index()?;
         for (k, gain) in reduced.derivatives.iter().enumerate().rev() {

@@ -27,7 +27,7 @@ pub enum Discretisation {
 ///
 /// # Errors
 /// [`Error::Timebase`] for a system that is sampled already, [`Error::Period`], [`Error::Range`] for a prewarping
-/// frequency outside (0, pi/T), [`Error::Pole`] where the bilinear map sends a pole to infinity, [`Error::NotSiso`] for
+/// frequency outside (0, pi/T), [`Error::Pole`] if the bilinear map sends a pole to infinity, [`Error::NotSiso`] for
 /// the matched method on more than one input or output.
 pub fn c2d(g: &StateSpace, period_s: f64, method: Discretisation) -> Result<StateSpace, Error> {
     needs_continuous("c2d", g)?;

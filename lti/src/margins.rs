@@ -158,7 +158,7 @@ impl Margins {
 /// half the sampling rate.
 ///
 /// # Errors
-/// [`Error::NotSiso`]; [`Error::AlgebraicLoop`] where 1 + L(infinity) = 0.
+/// [`Error::NotSiso`]; [`Error::AlgebraicLoop`] if 1 + L(infinity) = 0.
 pub fn margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
     needs_siso("margins", loop_gain)?;
     margins_on(Scan::of(loop_gain)?, loop_gain)

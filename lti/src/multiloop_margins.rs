@@ -36,7 +36,7 @@ pub struct MultiloopMargins {
 /// Returns the disk margins of L with as many outputs as inputs.
 ///
 /// # Errors
-/// [`Error::Shape`] if L is not square, [`Error::AlgebraicLoop`] where I + L(infinity) is singular, and those of [`linfnorm`].
+/// [`Error::Shape`] if L is not square, [`Error::AlgebraicLoop`] if I + L(infinity) is singular, and those of [`linfnorm`].
 pub fn multiloop_margins(loop_gain: &StateSpace) -> Result<MultiloopMargins, Error> {
     let m = loop_gain.inputs();
     if loop_gain.outputs() != m || m == 0 {

@@ -36,7 +36,7 @@ impl NamedSystem {
     /// Returns names the signals of a system.
     ///
     /// # Errors
-    /// [`Error::Shape`] where the names are not one a signal.
+    /// [`Error::Shape`] if the names are not one a signal.
     pub fn new(system: StateSpace, inputs: &[&str], outputs: &[&str]) -> Result<Self, Error> {
         let (found, expected) = ((outputs.len(), inputs.len()), (system.outputs(), system.inputs()));
         if found != expected {

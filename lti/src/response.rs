@@ -22,7 +22,7 @@ pub(crate) struct Point {
 /// needs storing). Eight points are worked on at a time.
 ///
 /// # Errors
-/// [`Error::Pole`] where a point is a pole to working precision, [`Error::Range`] for a frequency that is not finite.
+/// [`Error::Pole`] if a point is a pole to working precision, [`Error::Range`] for a frequency that is not finite.
 pub fn frequency_response(g: &StateSpace, rates_rad_s: &[f64]) -> Result<Vec<CMat>, Error> {
     Response::of(g)?.at_all(rates_rad_s)
 }
@@ -47,7 +47,7 @@ pub fn sigma(g: &StateSpace, rates_rad_s: &[f64]) -> Result<Vec<Vec<f64>>, Error
 /// Returns the gain at zero frequency: C inv(-A) B + D, or C inv(I - A) B + D.
 ///
 /// # Errors
-/// [`Error::Pole`] where the system integrates.
+/// [`Error::Pole`] if the system integrates.
 pub fn dcgain(g: &StateSpace) -> Result<Mat, Error> {
     Ok(response_at(g, 0.0)?.map(|entry| entry.re))
 }
@@ -96,7 +96,7 @@ impl Response {
     /// independent parts is evaluated part by part: a modal model costs O(n) a point.
     ///
     /// # Errors
-    /// [`Error::Matrix`] where the reduction fails.
+    /// [`Error::Matrix`] if the reduction fails.
     pub fn of(g: &StateSpace) -> Result<Self, Error> {
         let dual = g.outputs() < g.inputs();
         let modal = modes(g)?;

@@ -17,7 +17,7 @@ use counterpoise_linalg::{self as linalg, Boundary, RangeBasis};
 /// Groups of states that act on each other are taken one by one, so that the poles of blocks in series do not blur.
 ///
 /// # Errors
-/// [`Error::Matrix`] where the eigenvalue iteration fails.
+/// [`Error::Matrix`] if the eigenvalue iteration fails.
 pub fn poles(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let A = balance(g).0.A;
     let mut poles = Vec::with_capacity(A.nrows());
@@ -95,7 +95,7 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
 /// under a hundred roundings of each entry. Infinite zeros do not appear. Input and output decoupling zeros are among the answer. O(n^3).
 ///
 /// # Errors
-/// [`Error::Matrix`] where a decomposition fails.
+/// [`Error::Matrix`] if a decomposition fails.
 pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let scaled = unit_gains(&balance(g).0);
     let entrywise = entrywise_zeros(&scaled)?;

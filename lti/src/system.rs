@@ -49,8 +49,8 @@ impl StateSpace {
     /// Returns the system with the given matrices.
     ///
     /// # Errors
-    /// [`Error::Shape`] where the sizes do not fit, [`Error::NotFinite`] where an entry is NaN or infinite,
-    /// [`Error::Period`] where a sample period is not positive.
+    /// [`Error::Shape`] if the sizes do not fit, [`Error::NotFinite`] if an entry is NaN or infinite,
+    /// [`Error::Period`] if a sample period is not positive.
     pub fn new(A: Mat, B: Mat, C: Mat, D: Mat, timebase: Timebase) -> Result<Self, Error> {
         let n = A.nrows();
         check_shape("A", &A, n, n)?;

@@ -13,7 +13,7 @@ pub struct Linkage {
     pub anchor_angle_rad: f64,
 }
 
-/// The third side of the triangle at an angle, with its slopes; all 0 where the pins meet.
+/// The third side of the triangle at an angle, with its slopes; all 0 if the pins meet.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LinkageSide {
     /// L, m.

@@ -2,15 +2,15 @@
 
 use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
 use counterpoise_pool::{Pool, join};
-use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::DesignRequest;
+use counterpoise_project::{Assumption, Project};
 use counterpoise_verify::certificate::StabilityCertificate;
 use counterpoise_verify::rejection_spectra::{HubRateSpectra, spectral_rejections};
 use counterpoise_verify::{Procedure, VerifiedController};
 
 use crate::certificates::{Certificate, certify_designs};
 use crate::design_views::{DesignViews, design_views};
-use crate::exchange::{VerifiedLoop, verified_loop};
+use crate::exchange::{ErrorBudgetResult, VerifiedLoop, error_budget_result, verified_loop};
 use crate::export::target_proofs::OperationCounts;
 use crate::export::{
     ExportTask, ExportedCode, HeaderWords, OmittedCode, PathForms, TargetCode, every_target, export_by,
@@ -20,6 +20,7 @@ use crate::loop_view::{LoopView, loop_view};
 use crate::sight_views::{SightView, view_sight};
 use crate::studies::adaptation_trials::{AdaptationTrials, own_trials};
 use crate::studies::advice::{KeptDesigns, WeightAdvice, advise_changes};
+use crate::studies::assumptions::{AssumptionEffects, LoopSystems, assumption_effects, with_those_of_design};
 use crate::studies::comparison::{DesignComparison, compare_designs};
 use crate::{
     DecidedProject, DesignedAxis, FirstDesign, PipelineError, PipelineStage, PlantModel, ProjectIdentity,
@@ -68,6 +69,24 @@ impl DesignStages {
     fn advise(&self, project: &Project) -> Result<Vec<WeightAdvice>, PipelineError> {
         let Self { modelled, reduced, procedure, verified, .. } = self;
         advise_changes(project, modelled, reduced, procedure, verified.verification(), KeptDesigns::Systems)
+    }
+
+    /// Returns the effect of each assumption on the design; none if the linear loop cannot be judged.
+    fn assumption_effects(
+        &self,
+        project: &Project,
+        contents: &DesignContents<'_>,
+        pool: &dyn Pool,
+    ) -> AssumptionEffects {
+        let DesignContents { assumptions, systems, .. } = *contents;
+        assumption_effects(project, &self.modelled, &self.synthesised, assumptions, systems, pool)
+            .unwrap_or_default()
+    }
+
+    /// Returns the error budget of the verification.
+    fn error_budget(&self, kept: KeptDesigns) -> Result<Option<ErrorBudgetResult>, PipelineError> {
+        let verified = &self.verified;
+        error_budget_result(verified.verification(), &self.modelled.plant, verified.controller(), kept)
     }
 }
 
@@ -119,6 +138,31 @@ pub struct CompletedDesign {
     pub two_axes: Option<TwoAxisStudy>,
     /// The changes that meet a requirement that fails.
     pub advice: Vec<WeightAdvice>,
+    /// The values that the project does not state, and those that its design assumes.
+    pub assumptions: Vec<Assumption>,
+    /// How much each assumption matters.
+    pub assumption_effects: AssumptionEffects,
+    /// The error budget, with the angles of its runs if time histories are kept; `None` if there is none.
+    pub error_budget: Option<ErrorBudgetResult>,
+    /// The treatment of time histories that was asked for.
+    pub kept: KeptDesigns,
+}
+
+/// What is computed and kept of a design beside its figures.
+#[derive(Debug, Clone, Copy)]
+pub struct DesignContents<'a> {
+    /// The values that the project does not state.
+    pub assumptions: &'a [Assumption],
+    /// The treatment of the systems from which the effects of the assumptions can be recomputed.
+    pub systems: LoopSystems,
+    /// The treatment of the time histories, those of the error budget's runs among them.
+    pub kept: KeptDesigns,
+}
+
+impl Default for DesignContents<'_> {
+    fn default() -> Self {
+        Self { assumptions: &[], systems: LoopSystems::LeftOut, kept: KeptDesigns::Systems }
+    }
 }
 
 /// A design without its verification and code, with everything that a report, a terminal or another program shows of it.
@@ -276,6 +320,7 @@ struct StudiedTargets {
 /// As [`run_stages`], and those of the comparison and of the runs in each kind of numbers.
 pub fn design_project(
     project: &Project,
+    contents: &DesignContents<'_>,
     words: &dyn HeaderWords,
     world: &dyn World,
 ) -> Result<CompletedDesign, PipelineError> {
@@ -305,6 +350,10 @@ pub fn design_project(
         adaptation: own_trials(project, &stages.modelled, &stages.synthesised, &stages.procedure)?,
         two_axes: stages.two_axes(project, world)?,
         advice: stages.advise(project)?,
+        assumptions: with_those_of_design(contents.assumptions, &stages.synthesised),
+        assumption_effects: stages.assumption_effects(project, contents, world.pool()),
+        error_budget: stages.error_budget(contents.kept)?,
+        kept: contents.kept,
         stages,
     })
 }

@@ -12,7 +12,7 @@
 //! Modules in reading order: [`error`], `budget`, [`check_problem`], [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
 //! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`frequencies`], [`design_views`], [`loop_view`](mod@loop_view), [`sight_views`], [`axes_problem`], [`traverse_file`], [`two_axes`], [`mod@design`], [`plant_views`],
-//! [`reduction_views`], [`preview`], [`recordings`], [`studies`], [`commission`],
+//! [`reduction_views`], [`preview`], [`live_figures`], [`recordings`], [`studies`], [`commission`],
 //! [`exchange`] (systems and responses for other programs), [`results`].
 //!
 //! ```
@@ -42,6 +42,7 @@ pub mod first_design;
 pub mod frequencies;
 pub mod identity;
 pub mod inertial_unit;
+pub mod live_figures;
 pub mod loop_view;
 pub mod model;
 pub mod plant_views;
@@ -64,7 +65,8 @@ use counterpoise_pool::{Pool, Serial};
 use counterpoise_synth::FirstDesign;
 
 pub use design::{
-    CompletedDesign, DesignStages, SynthesisStudy, design_project, run_stages, study_synthesis,
+    CompletedDesign, DesignContents, DesignStages, SynthesisStudy, design_project, run_stages,
+    study_synthesis,
 };
 pub use error::PipelineError;
 pub use export::{ExportedCode, HeaderWords, OmittedCode, export};

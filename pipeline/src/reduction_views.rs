@@ -1,7 +1,7 @@
 //! A plant beside its reduction: poles, Hankel singular values and responses; the modes of a beam; friction brought to the hub.
 
 use counterpoise_linalg::{C64, CMat};
-use counterpoise_lti::{StateSpace, hankel_values, poles, response};
+use counterpoise_lti::{StateSpace, damping_ratio, hankel_values, poles, response};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::parameters::Beam;
 use counterpoise_models::plant::LinearPlant;
@@ -25,8 +25,8 @@ const SMALLEST_ERROR: f64 = 1e-16;
 pub struct ReductionComparison {
     /// Number of states of the full plant and of the reduced one.
     pub states: [usize; 2],
-    /// Poles of the full plant, rad/s, slow ones first; one of each conjugate pair.
-    pub poles: Vec<C64>,
+    /// Poles of the full plant, slow ones first; one of each conjugate pair.
+    pub poles: Vec<PlantPole>,
     /// Hankel singular values of the full plant; empty if it is not stable.
     pub hankel: Vec<f64>,
     /// Frequencies of the responses, rad/s.
@@ -39,6 +39,17 @@ pub struct ReductionComparison {
     pub pitch_moduli: [Vec<f64>; 2],
     /// Modulus of the reduction's error from control to hub rate.
     pub error: Vec<f64>,
+}
+
+/// A pole, or one of a conjugate pair.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlantPole {
+    /// Modulus, rad/s.
+    pub modulus_rad_s: f64,
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// States that it belongs to: two for a pair.
+    pub states: usize,
 }
 
 /// Compares a plant with its reduction. A response that cannot be computed is left empty.
@@ -67,11 +78,16 @@ pub fn compare_reduction(modelled: &PlantModel, reduced: &ReducedPlant) -> Reduc
     }
 }
 
-fn slow_poles_first(system: &StateSpace) -> Vec<C64> {
+fn slow_poles_first(system: &StateSpace) -> Vec<PlantPole> {
     let mut all = poles(system).unwrap_or_default();
     all.retain(|p| p.im >= 0.0);
     all.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
-    all
+    let pole = |pole: C64| PlantPole {
+        modulus_rad_s: pole.norm(),
+        damping_ratio: damping_ratio(pole),
+        states: if pole.im > 0.0 { 2 } else { 1 },
+    };
+    all.into_iter().map(pole).collect()
 }
 
 /// The modes of a beam that is pinned at the hub.

@@ -24,7 +24,7 @@ use serde::Serialize;
 use crate::exchange::controller_file::PathResult;
 use crate::exchange::error_budget::{ErrorBudgetResult, SightProcedureResult};
 use crate::exchange::systems::{StoredController, controllers_of_design, stored_frequencies_hz};
-use crate::exchange::verification_data::{history_results, response_results, verified_loop};
+use crate::exchange::verification_data::{history_results, response_results};
 use crate::exchange::{
     BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult, TargetsResult,
     TransferFunctionResult, VerifiedLoop,
@@ -33,7 +33,6 @@ use crate::recordings::{ReplayedRecording, channel_label};
 use crate::studies::assumptions::AssumptionEffect;
 use crate::tolerance::ROUNDED_POLE;
 pub use certificate::CertificateResult;
-pub use complete_design::ResultContents;
 pub use robustness::{AdviceResult, RobustnessResult};
 pub use two_axes::{JointColumn, JointFigureResult, JointHistoryResult, JointResult, JointVerdictResult};
 
@@ -41,7 +40,7 @@ use crate::plant_views::FrictionView;
 use crate::studies::accuracy::Accuracy;
 use crate::studies::adaptation_trials::AdaptationTrials;
 use crate::{
-    CompletedDesign, DemandedRate, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, TwoAxisStudy,
+    CompletedDesign, DemandedRate, PlantModel, ReducedPlant, SynthesisedDesign, TraverseDesign, TwoAxisStudy,
 };
 
 /// A complex number as real and imaginary part.
@@ -255,23 +254,19 @@ pub struct TwoAxesResult {
     pub joint: JointResult,
 }
 
-impl TwoAxesResult {
-    /// Returns the result of a study.
-    ///
-    /// # Errors
-    /// Those of the traverse axis' linear loop.
-    pub fn new(study: &TwoAxisStudy) -> Result<Self, PipelineError> {
-        let design = &study.traverse;
-        let (verified, plant) = (&design.verified, &design.modelled.plant);
-        let measured_on = verified_loop(plant, verified.controller(), &design.procedure)?;
-        Ok(Self {
-            name: design.project.plant.name.clone(),
+impl From<&TwoAxisStudy> for TwoAxesResult {
+    fn from(study: &TwoAxisStudy) -> Self {
+        let TraverseDesign { project, verified, .. } = &study.traverse;
+        Self {
+            name: project.plant.name.clone(),
             passes: study.passes(),
-            traverse: Box::new(VerifyResult::new(verified.verification(), measured_on)),
+            traverse: Box::new(VerifyResult::new(verified.verification(), study.traverse_loop.clone())),
             joint: (&study.joint).into(),
-        })
+        }
     }
+}
 
+impl TwoAxesResult {
     /// Leaves out the time histories.
     pub fn leave_histories_out(&mut self) {
         self.traverse.leave_histories_out();

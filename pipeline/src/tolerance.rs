@@ -26,6 +26,9 @@ pub(crate) const LEAST_SWING_RAD: f64 = 1e-12;
 /// Distance of a pole from the unit circle that is rounding: a pole that only drifts (an integrator, a free angle) is off by less.
 pub(crate) const DRIFTING_POLE: f64 = 1e-6;
 
+/// Smallest modulus that is stated in dB: below it lies rounding, and 0 has no logarithm.
+pub(crate) const SMALLEST_MODULUS: f64 = 1e-30;
+
 /// Modulus of a pole, relative to the largest, that is rounding of an eigenvalue at the origin: a few units in the last place. A pair that
 /// rounding splits by more is shown as it was computed.
 pub(crate) const ROUNDED_POLE: f64 = 1e-14;

@@ -12,6 +12,7 @@ use counterpoise_verify::{
     verify_two_axes,
 };
 
+use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::{ExportTask, ExportedCode, HeaderWords, OmittedCode, export_by};
 use crate::traverse_file::{FolderOfFile, check_axes, traverse_project};
 use crate::verify::platform_motion;
@@ -64,6 +65,8 @@ pub struct DesignedAxis<'a> {
 pub struct TwoAxisStudy {
     /// The traverse axis.
     pub traverse: TraverseDesign,
+    /// Loop on which the linear figures of the traverse axis were measured.
+    pub traverse_loop: VerifiedLoop,
     /// Both axes together.
     pub joint: JointVerification,
 }
@@ -150,7 +153,9 @@ pub fn study_two_axes(
     };
     let both = joint_procedure(elevation.project, [elevation.procedure, &traverse.procedure], world)?;
     let joint = verify_two_axes(&machine, &both, &axis.requirements)?;
-    Ok(Some(TwoAxisStudy { traverse, joint }))
+    let controller = traverse.verified.controller();
+    let traverse_loop = verified_loop(&traverse.modelled.plant, controller, &traverse.procedure)?;
+    Ok(Some(TwoAxisStudy { traverse, traverse_loop, joint }))
 }
 
 /// Returns what is done to both axes: the elevation project's motion of the base, and the step of each.

@@ -66,7 +66,7 @@ impl Pool for BackgroundWorld {
 
 /// Runs a job beside the files of a folder. `progress(stage, done, of)` is called on the calling thread as the work goes on.
 ///
-/// Ctrl+C raises `KeyboardInterrupt` at once; work that looks at its surroundings ends soon after, other work runs to its end unseen.
+/// Ctrl+C raises `KeyboardInterrupt` at once; work that looks at its surroundings ends soon after, other work runs to its end in the background.
 ///
 /// # Errors
 /// Those of the job as exceptions, and what `progress` raises.

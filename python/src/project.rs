@@ -8,7 +8,9 @@ use counterpoise_host::projects::{self, ProjectOnDisk};
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::recordings::{ProjectReplayer, ReplaySettings, diagnose};
 use counterpoise_pipeline::results::{DesignResult, ModelResult, ReduceResult, ReplayResult, SynthResult};
-use counterpoise_pipeline::{self as pipeline, ProjectIdentity, design_project, run_stages, study_synthesis};
+use counterpoise_pipeline::{
+    self as pipeline, DesignContents, ProjectIdentity, design_project, run_stages, study_synthesis,
+};
 use counterpoise_project::{Attachments, Document, Purpose, SettingValue};
 use counterpoise_report::results::{DesignText, SynthText, describe_reduction};
 use counterpoise_report::wording::answer::describe_diagnosed_recordings;
@@ -176,7 +178,7 @@ impl NativeProject {
     fn design(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         self.json(py, progress, |project, world| {
             let loaded = project.load_for(Purpose::Design)?;
-            let designed = design_project(&loaded.project, &HeaderText, world)?;
+            let designed = design_project(&loaded.project, &DesignContents::default(), &HeaderText, world)?;
             Ok(DesignText::new(&designed, DesignResult::from(&designed)))
         })
     }

@@ -17,6 +17,7 @@ use counterpoise_pipeline::{
 };
 use counterpoise_pool::{Pool, map_with_progress};
 use counterpoise_project::Purpose;
+use counterpoise_report::results::AdaptText;
 use counterpoise_report::sweep::{SweepFigure, sweep_figures};
 use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::wording::identification::describe_identified_recordings;
@@ -106,7 +107,7 @@ pub fn adaptation(
 ) -> PyResult<String> {
     project.json(py, progress, |project, world| {
         let loaded = project.load_for(Purpose::Verify)?;
-        Ok(study_adaptation(&loaded.project, world)?)
+        Ok(AdaptText::from(&study_adaptation(&loaded.project, world)?))
     })
 }
 

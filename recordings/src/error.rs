@@ -263,7 +263,7 @@ pub enum Error {
         limit: u64,
     },
     /// Too few rows to tell a sample period.
-    #[error("{file}: {rows} rows with a time are too few for a recording: at least 3 are needed")]
+    #[error("{file}: a recording needs at least 3 rows with a time, and this file has {rows}")]
     TooShort {
         /// The file.
         file: String,

@@ -8,7 +8,7 @@ use ndarray::{Array1, Array2, ArrayView2, Axis, ShapeBuilder as _, s};
 use crate::tolerance::FEWEST_PERIODS;
 use crate::{Channel, Error, Remark};
 
-/// Channels of one experiment on one uniform clock, in SI units; NaN where a sample is missing.
+/// Channels of one experiment on one uniform clock, in SI units; NaN if a sample is missing.
 ///
 /// A channel that was not recorded is absent. Without a platform gyroscope the platform is taken to be at rest, without an
 /// accelerometer it is taken not to heave.

@@ -27,7 +27,7 @@ pub struct RecordingColumn {
     pub name: String,
     /// Unit as written; `None` if the file gives none.
     pub unit: Option<String>,
-    /// Values as written; NaN where a value is missing.
+    /// Values as written; NaN if a value is missing.
     pub values: Array1<f64>,
 }
 

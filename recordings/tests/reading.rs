@@ -96,7 +96,10 @@ fn damaged_csv_names_row_column_and_value() {
             "control [V]\n0\n1\n2\n",
             "run.csv: there is no time column and no recording.sample_period in the project file",
         ),
-        ("time [s],control [V]\n0,1\n1,2\n", "run.csv: 2 rows with a time are too few for a recording"),
+        (
+            "time [s],control [V]\n0,1\n1,2\n",
+            "run.csv: a recording needs at least 3 rows with a time, and this file has 2",
+        ),
         ("time [s],control [V]\n0,1\n2,2\n1,2\n", "run.csv: time does not grow: row 3 is at 1 s after 2 s"),
         (
             "time [s],control [V]\n0,1\n1,2\n2,2\n3,1\n1e9,2\n",

@@ -35,7 +35,7 @@ impl BalancedSystem {
     /// Prepares a system with factors of its own, of weighted Gramians say; each has a row a state.
     ///
     /// # Errors
-    /// [`Error::Matrix`] where the decomposition fails.
+    /// [`Error::Matrix`] if the decomposition fails.
     pub fn from_factors(system: StateSpace, R: Mat, L: Mat) -> Result<Self, Error> {
         if ![&system.A, &system.B, &system.C, &system.D, &R, &L].iter().all(|matrix| matrix.is_finite()) {
             return Err(counterpoise_lti::Error::NotFinite { what: "the system to be reduced" }.into());
@@ -59,7 +59,7 @@ impl BalancedSystem {
     /// Returns the system of order `r` by the given method; r at most [`BalancedSystem::numerical_order`].
     ///
     /// # Errors
-    /// [`Error::Rounding`] where r is larger; [`Error::Matrix`] where the projection is singular.
+    /// [`Error::Rounding`] if r is larger; [`Error::Matrix`] if the projection is singular.
     pub fn reduce(&self, r: usize, method: Method) -> Result<StateSpace, Error> {
         let largest = self.numerical_order();
         if r > largest {
@@ -131,7 +131,7 @@ fn residualise(g: &StateSpace, r: usize) -> Result<StateSpace, Error> {
 /// The H-infinity error is at most twice the sum of the Hankel values dropped. O(n^3).
 ///
 /// # Errors
-/// [`Error::Order`] where fewer states are asked for than must be kept, [`Error::Range`], [`Error::Matrix`].
+/// [`Error::Order`] if fewer states are asked for than must be kept, [`Error::Range`], [`Error::Matrix`].
 pub fn balred(g: &StateSpace, order: Order, method: Method) -> Result<Reduction, Error> {
     let parts = split_stable(g)?;
     let untouched = parts.second.order();

@@ -13,7 +13,7 @@ use counterpoise_lti::{Peak, StateSpace, Timebase, linfnorm, parallel, poles, si
 /// with a warning.
 ///
 /// # Errors
-/// [`Error::System`] where the systems do not fit.
+/// [`Error::System`] if the systems do not fit.
 pub fn error_norm(g: &StateSpace, reduced: &StateSpace) -> Result<(Peak, Option<Warning>), Error> {
     if g.order() + reduced.order() <= EXACT_ORDER {
         return Ok((linfnorm(&parallel(g, &reduced.negate())?, EXACT_NORM)?, None));

@@ -20,7 +20,7 @@ pub enum Residual {
 /// [`Residual::Drop`].
 ///
 /// # Errors
-/// [`Error::Unstable`] where a fast pole is not stable, [`Error::Matrix`] where slow and fast poles are too close to part.
+/// [`Error::Unstable`] if a fast pole is not stable, [`Error::Matrix`] if slow and fast poles are too close to part.
 pub fn modal_truncation(g: &StateSpace, rate_rad_s: f64, residual: Residual) -> Result<Reduction, Error> {
     if rate_rad_s.is_nan() || rate_rad_s <= 0.0 {
         return Err(Error::Range { what: "rate_rad_s", value: rate_rad_s, allowed: "positive" });

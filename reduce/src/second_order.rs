@@ -80,7 +80,7 @@ impl SecondOrder {
     /// Returns the continuous system with the states \[x; x'\].
     ///
     /// # Errors
-    /// [`Error::Shape`], [`Error::Matrix`] where M is not positive definite.
+    /// [`Error::Shape`], [`Error::Matrix`] if M is not positive definite.
     pub fn to_state_space(&self) -> Result<StateSpace, Error> {
         self.check()?;
         let n = self.M.nrows();
@@ -106,7 +106,7 @@ impl SecondOrder {
 /// stiffness alone would have them, x = \[1; -inv(Kss) Ksm\] q.
 ///
 /// # Errors
-/// [`Error::Shape`] for a master that does not exist or is named twice, [`Error::Matrix`] where the slaves are not held
+/// [`Error::Shape`] for a master that does not exist or is named twice, [`Error::Matrix`] if the slaves are not held
 /// (Kss singular).
 pub fn guyan(structure: &SecondOrder, masters: &[usize]) -> Result<SecondOrderReduction, Error> {
     structure.check()?;

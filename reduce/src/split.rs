@@ -22,7 +22,7 @@ impl Split {
     /// Returns the sum of both parts.
     ///
     /// # Errors
-    /// [`Error::System`] where the parts do not fit, which those of one split do.
+    /// [`Error::System`] if the parts do not fit, which those of one split do.
     pub fn sum(&self) -> Result<StateSpace, Error> {
         Ok(parallel(&self.first, &self.second)?)
     }

@@ -74,7 +74,7 @@ pub struct ControllerReduction {
 /// and unstable poles of K are kept.
 ///
 /// # Errors
-/// [`Error::Unstable`] where the loop is not stable to begin with; as [`weighted_balred`].
+/// [`Error::Unstable`] if the loop is not stable to begin with; as [`weighted_balred`].
 pub fn reduce_controller(
     G: &StateSpace,
     K: &StateSpace,

@@ -5,9 +5,10 @@ use counterpoise_models::parameters::AxisKind;
 use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptedIntervals, TraceColumn};
 
 use counterpoise_pipeline::studies::adaptation_trials::{
-    AdaptationTrials, HoldBands, METHODS, MethodRefusal, TrialLoad, TrialMotion, TrialRow,
+    AdaptationTrials, HoldBands, METHODS, MethodRefusal, TrialExtremes, TrialLoad, TrialMotion, TrialRow,
 };
 
+use crate::wording::adaptation::describe_run;
 use crate::{
     FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
     ReportTable,
@@ -91,7 +92,7 @@ pub const EXPORTED_BY_BANDS: &str =
 pub fn describe_action(tried: &AdaptationTrials) -> Option<String> {
     let HoldBands { dead_band_m_s2, hold_band, is_exported } = tried.bands?;
     if !is_exported {
-        return Some(describe_left_out(&tried.rows));
+        return Some(describe_left_out(&tried.extremes, rate_of(&tried.rows)));
     }
     Some(format!(
         "the estimate is followed where the platform's acceleration exceeds {} m/s^2 RMS and the estimate is off by more than {} % of the design's out-of-balance",
@@ -101,10 +102,8 @@ pub fn describe_action(tried: &AdaptationTrials) -> Option<String> {
 }
 
 /// Returns why the exported controller does not adapt, by its trials with the usual bands, and what to do.
-fn describe_left_out(rows: &[TrialRow]) -> String {
-    let ratio = |row: &&TrialRow| row.ratio();
-    let worst = rows.iter().filter(|row| ratio(row) > 1.0).max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
-    let harms = worst.map_or("no trial with the usual bands is worse with it".to_owned(), |row| {
+fn describe_left_out(extremes: &TrialExtremes, rate: ControlledQuantity) -> String {
+    let harms = extremes.worst.as_ref().map_or("no trial with the usual bands is worse with it".to_owned(), |row| {
         format!(
             "with the usual bands it makes the {} {:.3} times that without, {}: {:.3} against {:.3} {} RMS",
             row.rate.name(),
@@ -115,10 +114,13 @@ fn describe_left_out(rows: &[TrialRow]) -> String {
             row.rate.milli_unit()
         )
     });
-    let added = |row: &&TrialRow| row.added_share();
-    let most = rows.iter().filter(|row| added(row) > 0.0).max_by(|a, b| added(a).total_cmp(&added(b)));
-    let gains = most.map_or(format!("no load of the trials adds to the {}", rate_of(rows).name()), |row| {
-        format!("most that an unknown load adds is {} %, {}", short_number(100.0 * added(&row)), trial(row))
+    let nothing = || format!("no load of the trials adds to the {}", rate.name());
+    let gains = extremes.most_added.as_ref().map_or_else(nothing, |row| {
+        format!(
+            "most that an unknown load adds is {} %, {}",
+            short_number(100.0 * row.added_share()),
+            trial(row)
+        )
     });
     format!("the controller is exported without adaptation: {harms}; {gains}; {EXPORTED_BY_BANDS}")
 }
@@ -253,7 +255,7 @@ fn table(runs: &[AdaptRun]) -> ReportTable {
             (true, false) => ReportCell::Verdict(OutcomeTone::Bad, "fails".to_owned()),
         };
         table.rows.push(vec![
-            ReportCell::text(format!("({})", run.letter)),
+            ReportCell::text(format!("({})", run.kind.letter())),
             ReportCell::text(format!("{:.1}", i.from_to_s[0])),
             ReportCell::text(format!("{:.1}", i.from_to_s[1])),
             ReportCell::text(format!("{:.2}", i.out_of_balance_kg_m)),
@@ -289,9 +291,9 @@ fn section(run: &AdaptRun, command: &str) -> ReportSection {
         )
         .with_height(150.0),
     ];
-    let figure = Figure::new(&format!("Run ({})", run.letter), PlotAxis::linear("time", "s"), panels);
+    let figure = Figure::new(&format!("Run ({})", run.kind.letter()), PlotAxis::linear("time", "s"), panels);
     let figure = Figure { command: command.to_owned(), ..figure };
-    ReportSection::new(&format!("({}) {}", run.letter, run.says)).with_figures([figure])
+    ReportSection::new(&format!("({}) {}", run.kind.letter(), describe_run(run.kind))).with_figures([figure])
 }
 
 #[cfg(test)]
@@ -311,13 +313,17 @@ mod tests {
         }
     }
 
+    fn describe_trials(rows: &[TrialRow]) -> String {
+        describe_left_out(&TrialExtremes::of(rows), ControlledQuantity::RATE)
+    }
+
     #[test]
     fn what_is_left_out_says_by_how_much_it_is_worse_and_what_there_was_to_gain() {
         let rows = [
             row(TrialMotion::Sines, TrialLoad::Nominal, [2.0, 2.1, 2.0]),
             row(TrialMotion::Road, TrialLoad::Sudden, [4.0, 4.04, 3.2]),
         ];
-        let text = describe_left_out(&rows);
+        let text = describe_trials(&rows);
         assert!(
             text.contains(
                 "1.050 times that without, on sines (load as designed): 2.100 against 2.000 mrad/s RMS"
@@ -327,9 +333,9 @@ mod tests {
         assert!(text.contains("adds is 25 %, on road (30 % more, sudden)"), "{text}");
         // a motion that diverges with every controller adds no number
         let diverged = row(TrialMotion::Multisine, TrialLoad::Slow, [f64::INFINITY; 3]);
-        let text = describe_left_out(&[rows[1], diverged]);
+        let text = describe_trials(&[rows[1], diverged]);
         assert!(text.contains("adds is 25 %, on road"), "{text}");
-        let still = describe_left_out(&[row(TrialMotion::Road, TrialLoad::Nominal, [2.0, 2.0, 2.0])]);
+        let still = describe_trials(&[row(TrialMotion::Road, TrialLoad::Nominal, [2.0, 2.0, 2.0])]);
         assert!(
             still.contains("no trial with the usual bands is worse")
                 && still.contains("no load of the trials adds"),

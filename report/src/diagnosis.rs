@@ -36,7 +36,8 @@ pub fn diagnosis_report(
     sections.extend([localisation_section(answer), tried_section(answer), cannot_tell(answer)]);
     Report {
         title: format!("Diagnosis of {machine}"),
-        subtitle: "where the simulation departs from the recordings, and what explains it".to_owned(),
+        subtitle: "the residuals between recordings and simulation, and the effects that explain them"
+            .to_owned(),
         headline: headline(answer),
         tiles: tiles(answer),
         verdicts: findings_table(&answer.findings),
@@ -73,10 +74,18 @@ fn headline(answer: &AnswerText) -> Headline {
 
 fn tiles(answer: &AnswerText) -> Vec<FigureTile> {
     let mut out = vec![
-        FigureTile::plain("error over floor, before", format!("{:.1}", answer.fit.largest_before()), "")
-            .with_note("worst channel, all recordings"),
-        FigureTile::plain("error over floor, after", format!("{:.2}", answer.fit.largest_after()), "")
-            .with_note("1 is perfect"),
+        FigureTile::plain(
+            "residual over noise floor, before",
+            format!("{:.1}", answer.fit.largest_before()),
+            "",
+        )
+        .with_note("worst channel, all recordings"),
+        FigureTile::plain(
+            "residual over noise floor, after",
+            format!("{:.2}", answer.fit.largest_after()),
+            "",
+        )
+        .with_note("1 is perfect"),
         FigureTile::plain("on held-out data", format!("{:.2}", answer.fit.largest_held_out()), "")
             .with_note("worst channel"),
     ];

@@ -2,9 +2,8 @@
 
 use counterpoise_pipeline::studies::fra::{LoopUnderTest, ResponseMap};
 use counterpoise_pipeline::studies::fra_points::ResponseMapPoint;
-use counterpoise_pipeline::studies::fra_summary::{
-    AmplitudePoints, MapTotals, MeasuringPace, StickingAmplitude,
-};
+use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, MeasuringPace, StickingAmplitude};
+use counterpoise_pipeline::studies::fra_totals::MapTotals;
 
 use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_of};
 use crate::wording::capitalise_first;
@@ -40,7 +39,7 @@ fn headline(maps: &[ResponseMap], totals: MapTotals) -> Headline {
         0 => format!("{count} points measured, every one settled"),
         n => format!("{count} points measured, {n} not settled or not excited"),
     };
-    let spread = maps.first().map_or(0.0, |map| map.widest_spread_db());
+    let spread = maps.first().map_or(0.0, |map| map.summary.widest_spread_db);
     let detail =
         format!("At one frequency the gain changes with the amplitude by up to {} dB.", short_number(spread));
     Headline { tone: if unsettled == 0 { OutcomeTone::Neutral } else { OutcomeTone::Bad }, text, detail }
@@ -58,7 +57,7 @@ pub fn map_title(map: &ResponseMap) -> String {
 
 /// Returns a sentence for each amplitude at which the joint sticks, with the next amplitude of the map that moves it at all of those frequencies.
 pub fn sticking_lines(map: &ResponseMap) -> Vec<String> {
-    map.sticking_amplitudes().iter().map(|sticking| sticking_line(map, sticking)).collect()
+    map.summary.sticking.iter().map(|sticking| sticking_line(map, sticking)).collect()
 }
 
 fn sticking_line(map: &ResponseMap, sticking: &StickingAmplitude) -> String {
@@ -101,7 +100,7 @@ fn curve(
 
 /// Returns all amplitudes in one diagram, the linear model dashed.
 fn overview(map: &ResponseMap, command: &str) -> Figure {
-    let families = map.points_by_amplitude();
+    let families = &map.summary.amplitudes;
     let mut curves: Vec<BodeCurve> = families
         .iter()
         .zip(Colour::CYCLE)
@@ -130,7 +129,7 @@ fn sections(map: &ResponseMap, command: &str) -> Vec<ReportSection> {
             "Each amplitude beside the linear model with dry friction replaced by its describing function, at the swing of the hub \
              that this model gives itself. It leaves out harmonics, the bias that the weight gives to friction, and backlash.",
         )
-        .with_figures(map.points_by_amplitude().iter().zip(Colour::CYCLE).map(|(family, colour)| {
+        .with_figures(map.summary.amplitudes.iter().zip(Colour::CYCLE).map(|(family, colour)| {
             let figure = beside_models(map, family, colour);
             Figure { command: command.to_owned(), ..figure }
         }));
@@ -186,9 +185,9 @@ fn beside_models(map: &ResponseMap, family: &AmplitudePoints, colour: Colour) ->
 
 fn harmonics(map: &ResponseMap, command: &str) -> Figure {
     let of = |y: fn(&ResponseMapPoint) -> f64| -> Vec<Series> {
-        let families = map.points_by_amplitude();
+        let families = &map.summary.amplitudes;
         let series =
-            families.iter().zip(Colour::CYCLE).map(|(AmplitudePoints { amplitude, points }, colour)| {
+            families.iter().zip(Colour::CYCLE).map(|(AmplitudePoints { amplitude, points, .. }, colour)| {
                 let line = points.iter().map(|p| (p.frequency_hz, y(p)));
                 Series::solid_line(&label(map, *amplitude), colour, line)
             });
@@ -211,10 +210,10 @@ fn tiles(map: &ResponseMap) -> Vec<FigureTile> {
     let unit = if relative.is_empty() { "dB".to_owned() } else { format!("dB re {relative}") };
     vec![
         FigureTile::plain("points", map.points.len().to_string(), ""),
-        FigureTile::plain("largest gain", short_number(map.largest_gain_db()), &unit),
-        FigureTile::plain("spread over amplitudes", short_number(map.widest_spread_db()), "dB")
+        FigureTile::plain("largest gain", short_number(map.summary.largest_gain_db), &unit),
+        FigureTile::plain("spread over amplitudes", short_number(map.summary.widest_spread_db), "dB")
             .with_note("0 on a linear machine"),
-        FigureTile::plain("largest harmonics", short_number(100.0 * map.largest_distortion()), "%")
+        FigureTile::plain("largest harmonics", short_number(100.0 * map.summary.largest_distortion), "%")
             .with_note("of the fundamental"),
     ]
 }
@@ -232,14 +231,14 @@ fn extremes(map: &ResponseMap) -> ReportTable {
         "Each amplitude; linear, describing: how far those models are off, median of the gain",
         &columns,
     );
-    for group in map.points_by_amplitude() {
-        let highest = group.highest_point();
+    for group in &map.summary.amplitudes {
+        let highest = group.highest;
         table.rows.push(vec![
             ReportCell::text(label(map, group.amplitude)),
             ReportCell::number(highest.map_or(f64::NAN, |p| p.gain_db)),
             ReportCell::number(highest.map_or(f64::NAN, |p| p.frequency_hz)),
-            ReportCell::number(group.linear_error_db()),
-            ReportCell::number(group.describing_error_db()),
+            ReportCell::number(group.linear_error_db),
+            ReportCell::number(group.describing_error_db),
         ]);
     }
     table

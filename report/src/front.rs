@@ -139,14 +139,9 @@ pub fn front_report(front: &FrontText, origin: &ReportOrigin) -> Report {
 
 fn tiles(front: &FrontText, words: &[ObjectiveWords]) -> Vec<FigureTile> {
     let chosen = front.chosen.and_then(|number| front.designs.get(number - 1));
-    let best = |k: usize| {
-        let all = front.designs.iter().map(|design| design.figures[k]);
-        let is_margin = front.objectives[k].is_margin();
-        if is_margin { all.fold(f64::NEG_INFINITY, f64::max) } else { all.fold(f64::INFINITY, f64::min) }
-    };
     let tile = |(k, word): (usize, &ObjectiveWords)| match chosen {
         Some(design) => FigureTile::plain(word.name, word.show(design.figures[k]), word.unit),
-        None => FigureTile::plain(&format!("best {}", word.name), word.show(best(k)), word.unit),
+        None => FigureTile::plain(&format!("best {}", word.name), word.show(front.best[k]), word.unit),
     };
     words.iter().enumerate().map(tile).collect()
 }
@@ -188,10 +183,9 @@ fn figure(front: &FrontText, words: &[ObjectiveWords], other: usize) -> Option<F
         let of_kind = front.designs.iter().filter(|design| design.kind == kind.name);
         let points: Vec<[f64; 2]> = of_kind.map(|design| at(&design.figures)).filter(is_drawn).collect();
         marks.extend(points.iter().map(|&[x, y]| Mark::Cross { x, y, text: String::new(), colour }));
-        let turn = [other, 0].map(|k| if front.objectives[k].is_margin() { -1.0 } else { 1.0 });
-        let edge = lower_edge(&points, turn);
         all.extend(points);
-        series.push(Series::solid_line(&kind.name, colour, edge.into_iter().map(|[x, y]| (x, y))));
+        let edge = kind.edges[other - 1].iter().map(|place| at(&front.designs[*place].figures));
+        series.push(Series::solid_line(&kind.name, colour, edge.map(|[x, y]| (x, y))));
     }
     for (reference, colour) in front.references.iter().zip(REFERENCES) {
         let [x, y] = at(&reference.figures);
@@ -225,33 +219,4 @@ fn figure(front: &FrontText, words: &[ObjectiveWords], other: usize) -> Option<F
         short_number(front.designs.len() as f64)
     );
     Some(Figure::new(&title, axis(&words[other], 0), vec![panel]).with_caption(&caption))
-}
-
-/// Returns the points that no other beats in both coordinates, from left to right. A coordinate of which more is better is turned by -1.
-fn lower_edge(points: &[[f64; 2]], turn: [f64; 2]) -> Vec<[f64; 2]> {
-    let mut sorted = points.to_vec();
-    sorted.sort_by(|a, b| {
-        (turn[0] * a[0]).total_cmp(&(turn[0] * b[0])).then((turn[1] * a[1]).total_cmp(&(turn[1] * b[1])))
-    });
-    let mut edge: Vec<[f64; 2]> = Vec::new();
-    for point in sorted {
-        if edge.last().is_none_or(|last| turn[1] * point[1] < turn[1] * last[1]) {
-            edge.push(point);
-        }
-    }
-    edge
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_edge_joins_the_points_that_no_other_beats() {
-        let points = [[2.0, 2.0], [1.0, 3.0], [3.0, 2.5], [4.0, 1.0], [1.0, 4.0]];
-        assert_eq!(lower_edge(&points, [1.0, 1.0]), [[1.0, 3.0], [2.0, 2.0], [4.0, 1.0]]);
-        // More of the first is better.
-        assert_eq!(lower_edge(&points, [-1.0, 1.0]), [[4.0, 1.0]]);
-        assert!(lower_edge(&[], [1.0, 1.0]).is_empty());
-    }
 }

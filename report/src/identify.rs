@@ -179,7 +179,7 @@ fn amplifier_section(amplifier: &AmplifierText, command: &str) -> ReportSection 
     let section = ReportSection::new("Amplifier");
     let points = amplifier.points();
     let text = match amplifier {
-        AmplifierText::Curve { .. } => "Its gain curve departs from the project's.".to_owned(),
+        AmplifierText::Curve { .. } => "Its gain curve differs from the project's.".to_owned(),
         AmplifierText::AsInProject { .. } => "Its gain curve is the project's.".to_owned(),
         AmplifierText::NotIdentifiable { why } => format!("Not identifiable: {why}."),
     };

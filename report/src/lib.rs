@@ -9,7 +9,7 @@
 //! Modules in reading order: [`page`], [`html`], [`style`], [`figure_tables`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`], [`front`]; the other commands'
 //! reports: [`check`], [`key_reference`], [`commission`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robustness`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
-//! [`diagnosis`], `learned`, [`residual`], [`structure`]; what result files hold: [`results`]; and every sentence about a
+//! [`diagnosis`], `learned`, [`residual`], [`structure`]; what result files hold: [`results`]; what commands print: [`terminal`]; and every sentence about a
 //! result: [`wording`].
 
 pub mod adaptation;
@@ -48,6 +48,7 @@ pub mod style;
 pub mod summary;
 pub mod sweep;
 pub mod targets;
+pub mod terminal;
 mod tolerance;
 pub mod trade_off;
 pub mod triangle;

@@ -24,12 +24,12 @@ pub(super) fn localisation_section(answer: &AnswerText) -> ReportSection {
             ReportCell::text(name_in_words(&component_list(&row.sees))),
         ]);
     }
-    let section = ReportSection::new("Where and when").with_table(balances);
-    if answer.map.is_empty() { section } else { section.with_figures([where_when(answer)]) }
+    let section = ReportSection::new("Localisation").with_table(balances);
+    if answer.map.is_empty() { section } else { section.with_figures([localisation_map(answer)]) }
 }
 
 /// Component x regime.
-fn where_when(answer: &AnswerText) -> Figure {
+fn localisation_map(answer: &AnswerText) -> Figure {
     let rows = &answer.chart.rows;
     let share = |row: usize, column: usize| {
         let shares = if rows[row].seen { rows[row].shares.as_slice() } else { &[] };
@@ -46,8 +46,11 @@ fn where_when(answer: &AnswerText) -> Figure {
         shares: Array2::from_shape_fn((rows.len(), Regime::ALL.len()), |(r, c)| share(r, c)),
         framed: framed.flat_map(|(r, row)| row.found.iter().filter_map(place).map(move |c| (r, c))).collect(),
     };
-    Figure::heat_map("Where (component) and when (regime) the simulation departs, in per cent", map)
-        .with_caption(&format!("{} {HOW}", answer.chart_summary))
+    Figure::heat_map(
+        "Localisation: what an error of each component explains in each regime, in per cent",
+        map,
+    )
+    .with_caption(&format!("{} {HOW}", answer.chart_summary))
 }
 
 /// Returns a component's row; one that no balance sees has no cells.
@@ -57,8 +60,8 @@ fn row(row: &ChartRow) -> HeatRow {
 }
 
 /// The kind of a cell.
-const HOW: &str = "This is a first look, before the search, and nothing is named by it. At each component an error is let in that is a \
-                   free function of one variable, times what errors there scale with: friction with the direction of sliding, a \
-                   motor's loss with its torque. A cell is the log-likelihood that it gains, in all balances at once, on stretches \
-                   that it was not fitted to. The balances are simpler than the simulator, so that the true cause too may gain a \
-                   small part of what a perfect explanation would. A dash: no such error is thought of.";
+const HOW: &str = "These errors are examined before the effects are fitted, and they identify no effect. The error of a component is a free \
+                   function of one variable, multiplied by the quantity that such errors are proportional to: friction by the direction \
+                   of sliding, a motor's loss by its torque. A cell is the gain in log-likelihood over all torque balances, on \
+                   stretches that were not used in the fit. The balances are simpler than the simulator, so the true cause, too, can \
+                   gain a small part of what a perfect explanation would gain. A dash means that no such error is examined.";

@@ -64,13 +64,13 @@ fn headline(result: &ReplayResult) -> Headline {
         None => (OutcomeTone::Neutral, "No recorded channel can be compared with the model".to_owned()),
         Some((ratio, ..)) if ratio <= FITS_FLOORS => (
             OutcomeTone::Good,
-            format!("The model fits every channel to within {FITS_FLOORS} times its floor"),
+            format!("The model fits every channel to within {FITS_FLOORS} times its noise floor"),
         ),
         Some((ratio, channel, recording)) => {
             let channel = channel.replace('_', " ");
             (
                 OutcomeTone::Bad,
-                format!("The model does not fit: {channel} of {recording} is off by {ratio:.1} floors"),
+                format!("The model does not fit: {channel} of {recording} is off by {ratio:.1} noise floors"),
             )
         }
     };
@@ -79,16 +79,16 @@ fn headline(result: &ReplayResult) -> Headline {
     Headline { tone, text, detail }
 }
 
-const WAYS: &str = "A machine that hunts cannot be followed from start to end, not even by itself: two runs of one model that differ in the noise \
-     of a gyroscope part. There the model starts anew from a state fitted to the first half of each window, under the recorded control, and \
-     the control stands beside the one that the recorded controller makes of the recorded measurements.";
+const WAYS: &str = "A recording of a machine that hunts cannot be simulated from start to end, because two runs of the same model that differ only in the noise \
+     of a gyroscope diverge. The model is therefore started again in each window, from a state that is fitted to the first half of the window, under \
+     the recorded control. The recorded control is compared with the control that the recorded controller computes from the recorded measurements.";
 
 fn tiles(result: &ReplayResult) -> Vec<FigureTile> {
     let count = result.recordings.len();
     let over = result.recordings.iter().filter(|r| r.window_s.is_some()).count();
     let mut out = Vec::new();
     if let Some((ratio, channel, recording)) = largest_ratio(result) {
-        let tile = FigureTile::plain("largest error over floor", format!("{ratio:.2}"), "");
+        let tile = FigureTile::plain("largest residual over noise floor", format!("{ratio:.2}"), "");
         out.push(tile.with_note(&format!("{}, {recording}", channel.replace('_', " "))));
     }
     let tile = FigureTile::plain("recordings", count.to_string(), "");
@@ -100,7 +100,7 @@ fn ways(result: &ReplayResult) -> ReportTable {
     let columns = [
         ReportColumn::Text("recording"),
         ReportColumn::Text("followed"),
-        ReportColumn::Text("largest error over floor"),
+        ReportColumn::Text("largest residual over noise floor"),
         ReportColumn::Text("the same from start to end"),
         ReportColumn::Text("two runs of the model diverge by"),
     ];
@@ -109,7 +109,8 @@ fn ways(result: &ReplayResult) -> ReportTable {
     for r in &result.recordings {
         let way = r.window_s.map_or("from start to end".to_owned(), |s| format!("over windows of {s} s"));
         let free = if r.window_s.is_some() { &r.free } else { &r.channels };
-        let parting = r.parting.map_or(String::new(), |p| format!("{:.1} floors in {}", p.floors, p.channel));
+        let parting =
+            r.parting.map_or(String::new(), |p| format!("{:.1} noise floors in {}", p.floors, p.channel));
         let cells = [name(&r.file).to_owned(), way, worst(&r.channels), worst(free), parting];
         table.rows.push(cells.into_iter().map(ReportCell::text).collect());
     }

@@ -52,14 +52,14 @@ fn tile(tried: &counterpoise_pipeline::recordings::structure_hypotheses::TriedSt
 }
 
 fn errors(answer: &StructureAnswer, command: &str) -> Figure {
-    let points = |modes: &[f64]| -> Vec<(f64, f64)> {
-        answer.errors_percent(modes).iter().enumerate().map(|(k, off)| (k as f64 + 1.0, *off)).collect()
+    let points = |errors: &[f64]| -> Vec<(f64, f64)> {
+        errors.iter().enumerate().map(|(k, off)| (k as f64 + 1.0, *off)).collect()
     };
     let colours = [Colour::Second, Colour::First, Colour::Muted];
     let series = answer.tried.iter().take(1 + DRAWN).zip(colours);
     let series = series
         .map(|(t, colour)| {
-            Series::solid_line(&describe_hypothesis(t.hypothesis), colour, points(&t.modes_hz))
+            Series::solid_line(&describe_hypothesis(t.hypothesis), colour, points(&t.errors_percent))
         })
         .collect();
     let panel = Panel::new(Axis::linear("error of the frequency", "%"), series).with_height(260.0);
@@ -78,7 +78,7 @@ fn frequencies(answer: &StructureAnswer) -> ReportTable {
     ];
     let mut table = ReportTable::new("Natural frequencies", &columns);
     let best = answer.tried.get(1).unwrap_or(&answer.tried[0]);
-    let errors = [&answer.model_hz, &best.modes_hz].map(|modes_hz| answer.errors_percent(modes_hz));
+    let errors = [&answer.model_errors_percent, &best.errors_percent];
     for (k, measured) in answer.measured_hz.iter().enumerate() {
         let (model, improved) = (answer.model_hz[k], best.modes_hz[k]);
         let error = |errors: &[f64]| ReportCell::text(format!("{:+.2}", errors[k]));
@@ -86,9 +86,9 @@ fn frequencies(answer: &StructureAnswer) -> ReportTable {
             ReportCell::text((k + 1).to_string()),
             ReportCell::number(*measured),
             ReportCell::number(model),
-            error(&errors[0]),
+            error(errors[0]),
             ReportCell::number(improved),
-            error(&errors[1]),
+            error(errors[1]),
         ]);
     }
     table

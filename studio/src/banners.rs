@@ -67,7 +67,7 @@ fn show_read_only_banner(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Comma
     ui.add_space(space::SMALL);
 }
 
-/// Shows that the project's text has errors, and leads to the page on which they are mended.
+/// Shows that the project's text has errors, and leads to the page on which they are corrected.
 fn show_error_banner(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Command>, count: usize) {
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -75,7 +75,7 @@ fn show_error_banner(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Command>,
             let errors = if count == 1 { "an error".to_owned() } else { format!("{count} errors") };
             let text = format!("The project's text has {errors}; this page shows the last one without.");
             ui.label(RichText::new(text).color(theme.bad));
-            if ui.button("Mend the text").on_hover_text("Shift+F8").clicked() {
+            if ui.button("Correct the text").on_hover_text("Shift+F8").clicked() {
                 queue.push(Command::NextError);
             }
         });

@@ -164,7 +164,9 @@ fn a_damaged_history_is_named_with_its_line_and_never_written() {
     bench.state_mut().run(&Command::ShowDesign { tab: DesignTab::History });
     rest(&mut bench);
     let line = 1 + damaged[..damaged.find("<<<").unwrap()].matches('\n').count();
-    assert!(says(&bench, &format!("project.designs.toml, line {line}: ")) && says(&bench, "Mend this line"));
+    assert!(
+        says(&bench, &format!("project.designs.toml, line {line}: ")) && says(&bench, "Correct this line")
+    );
     keep(&mut bench, "second");
     assert_eq!(content(&folder), damaged, "a file that cannot be read is not written");
     std::fs::write(file(&folder), &good).unwrap();

@@ -1,4 +1,4 @@
-//! The page Text: a broken file is mended in the window, and what is typed is an edit like every other.
+//! The page Text: a broken file is corrected in the window, and what is typed is an edit like every other.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::common;
@@ -21,7 +21,7 @@ fn type_text(bench: &mut StudioHarness, text: &str) {
 
 #[test]
 fn a_broken_file_is_mended_where_it_is_shown_and_saved() {
-    let folder = rig("mended");
+    let folder = rig("corrected");
     let path = folder.join("project.toml");
     let good = std::fs::read_to_string(&path).unwrap();
     let broken =
@@ -45,7 +45,7 @@ fn a_broken_file_is_mended_where_it_is_shown_and_saved() {
         (0..from).for_each(|_| bench.key_press(Key::ArrowRight));
         bench.run_steps(1);
         type_text(&mut bench, if wrong == "stifness" { "f" } else { "a" });
-        assert!(!text(&bench).contains(wrong), "{wrong} is mended");
+        assert!(!text(&bench).contains(wrong), "{wrong} is corrected");
     }
     rest(&mut bench);
     assert!(says(&bench, "No errors"));
@@ -100,7 +100,7 @@ fn an_error_that_is_typed_is_told_at_once_and_leads_back_from_every_page() {
     bench.state_mut().run(&Command::Go { page: Page::Design });
     rest(&mut bench);
     assert!(says(&bench, "plot: Loop gain"), "the last design stays");
-    bench.get_by_label("Mend the text").click();
+    bench.get_by_label("Correct the text").click();
     rest(&mut bench);
     assert_eq!(bench.state().view.page, Page::Text);
     bench.key_press_modifiers(Modifiers::COMMAND, Key::Z);

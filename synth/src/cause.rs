@@ -49,7 +49,7 @@ pub enum SpecificationCause {
     },
     /// The hub sensor is blind where the error weight is infinite.
     SensorBlindAtErrorPole,
-    /// Control costs nothing where the error does not show it.
+    /// Control costs nothing if the error does not show it.
     ControlFreeUnseen,
     /// A feedforward's control is free where the closed loop cancels it.
     FreeControlUnseen {

@@ -63,7 +63,7 @@ pub(crate) const BAND_POINTS: usize = 24;
 /// Returns the figures of a sampled feedback loop; rejection over the band [low, high], rad/s.
 ///
 /// # Errors
-/// [`Error`] where the plant is not one, or a decomposition fails.
+/// [`Error`] if the plant is not one, or a decomposition fails.
 pub fn sampled_loop_figures(
     plant: &DesignPlant,
     sampled: &SampledLoop,

@@ -113,7 +113,7 @@ impl GeneralisedPlant {
     /// Returns the generalised plant with its last `controls` inputs and `measurements` outputs.
     ///
     /// # Errors
-    /// [`Error::System`] for a sampled system or one with an entry that is not finite, [`Error::Index`] where it has fewer inputs or outputs.
+    /// [`Error::System`] for a sampled system or one with an entry that is not finite, [`Error::Index`] if it has fewer inputs or outputs.
     pub fn new(system: StateSpace, controls: usize, measurements: usize) -> Result<Self, Error> {
         if system.timebase != Timebase::Continuous {
             return Err(Error::System { what: "generalised plant", problem: "it must be continuous" });
@@ -132,7 +132,7 @@ impl GeneralisedPlant {
     /// Returns the plant with the blocks named that the states belong to, in order: refusals name them.
     ///
     /// # Errors
-    /// [`Error::Index`] where the blocks have more states than the plant.
+    /// [`Error::Index`] if the blocks have more states than the plant.
     pub fn of_blocks(self, origins: Vec<StateOrigin>) -> Result<Self, Error> {
         let (index, count) = (origins.iter().map(|origin| origin.states).sum(), self.system.order());
         if index > count {
@@ -161,7 +161,7 @@ impl GeneralisedPlant {
     /// Returns the closed loop from w to z with the controller u = K y.
     ///
     /// # Errors
-    /// [`Error::Lti`] where K does not fit, or the algebraic loop is singular.
+    /// [`Error::Lti`] if K does not fit, or the algebraic loop is singular.
     pub fn close(&self, K: &StateSpace) -> Result<StateSpace, Error> {
         Ok(lft(&self.system, K)?)
     }

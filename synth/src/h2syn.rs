@@ -22,7 +22,7 @@ pub struct H2 {
     pub L: Mat,
     /// Norm from w to z that the equations predict.
     pub predicted_norm: f64,
-    /// Norm of the assembled loop; infinite where that is not stable.
+    /// Norm of the assembled loop; infinite if that is not stable.
     pub achieved_norm: f64,
     /// Poles of the loop: those of the state feedback and of the observer, by separation.
     pub closed_loop: Vec<C64>,
@@ -44,7 +44,7 @@ pub struct H2 {
 /// D21 of full row rank; D22 may be anything. The states are scaled by powers of two first.
 ///
 /// # Errors
-/// [`Error`] where a decomposition fails. A plant that breaks a condition is [`Error::Refused`] and says which.
+/// [`Error`] if a decomposition fails. A plant that breaks a condition is [`Error::Refused`] and says which.
 pub fn h2syn(plant: &GeneralisedPlant) -> Result<H2, Error> {
     plant.check_regular()?;
     let P = plant.blocks();

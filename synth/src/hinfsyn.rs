@@ -45,7 +45,7 @@ pub struct HInfinity {
 /// claim is thus never below what is reached.
 ///
 /// # Errors
-/// [`Error::Range`] for a tolerance that is not positive, [`Error`] where a decomposition fails. A plant that breaks a
+/// [`Error::Range`] for a tolerance that is not positive, [`Error`] if a decomposition fails. A plant that breaks a
 /// condition is [`Error::Refused`] and says which.
 pub fn hinfsyn(plant: &GeneralisedPlant, tolerance: f64) -> Result<HInfinity, Error> {
     if !(tolerance > 0.0 && tolerance.is_finite()) {

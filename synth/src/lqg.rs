@@ -64,7 +64,7 @@ fn named_gain(
 /// x\[k+1\] likewise.
 ///
 /// # Errors
-/// [`Error::System`] for a plant with a direct path, [`Error::Lti`] where the gains do not fit.
+/// [`Error::System`] for a plant with a direct path, [`Error::Lti`] if the gains do not fit.
 pub fn observer_controller(g: &StateSpace, K: &Mat, L: &Mat) -> Result<StateSpace, Error> {
     if g.D.norm_max() != 0.0 {
         return Err(Error::System {

@@ -70,7 +70,7 @@ impl RationalFunction {
     /// Returns a minimal realisation as a cascade of sections of order one and two (a longer one only where roots do not pair).
     ///
     /// # Errors
-    /// [`Error::Lti`] where it is improper, or complex roots lack their conjugates.
+    /// [`Error::Lti`] if it is improper, or complex roots lack their conjugates.
     pub fn realise(&self) -> Result<StateSpace, Error> {
         let (zeros, poles) = (factors(&self.zeros)?, factors(&self.poles)?);
         let unit = StateSpace::gain(Mat::from_rows(&[&[self.gain]]), Timebase::Continuous)?;

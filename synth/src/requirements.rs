@@ -60,7 +60,7 @@ impl Requirements {
     /// Returns the RMS of |S| over the band, averaged as the requirements say.
     ///
     /// # Errors
-    /// [`Error::System`] where the average is by the expected motion and the specification expects none.
+    /// [`Error::System`] if the average is by the expected motion and the specification expects none.
     pub fn share_left(
         &self,
         loop_gain: &StateSpace,
@@ -82,7 +82,7 @@ impl Requirements {
         }
     }
 
-    /// Returns the sum of what is missed, each relative to its limit; 0 where everything holds.
+    /// Returns the sum of what is missed, each relative to its limit; 0 if everything holds.
     pub fn total_shortfall(&self, found: &Figures) -> f64 {
         let below =
             |value: f64, limit: f64| if limit > 0.0 { ((limit - value) / limit).max(0.0) } else { 0.0 };

@@ -10,7 +10,7 @@ use crate::{Assembly, Design, DesignPlant, DisturbanceChannel, Error};
 /// times `gain`; infinite for a loop that is not stable.
 ///
 /// # Errors
-/// [`Error::System`] where the design has no feedforward for the channel.
+/// [`Error::System`] if the design has no feedforward for the channel.
 pub fn stabilisation_error(
     plant: &DesignPlant,
     design: &Design,

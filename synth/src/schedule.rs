@@ -160,7 +160,7 @@ fn entry(
 /// disturbances that the feedback assumes.
 ///
 /// # Errors
-/// [`Error::System`] where the plants have different sizes.
+/// [`Error::System`] if the plants have different sizes.
 pub fn check_gain_law(
     nominal: &DesignPlant,
     here: &DesignPlant,
@@ -189,7 +189,7 @@ pub fn check_gain_law(
     })
 }
 
-/// |b - a| / |a|, infinite where that is no number.
+/// |b - a| / |a|, infinite if that is no number.
 fn deviation(a: &Mat, b: &Mat) -> f64 {
     let difference = (a - b).norm_fro();
     if difference == 0.0 {

@@ -58,7 +58,7 @@ pub const HIGHEST_ORDER: usize = 8;
 ///
 /// # Errors
 /// [`Error::Range`] for fewer points than the order needs, frequencies that do not increase, moduli that are not positive, an
-/// order of 0 or above [`HIGHEST_ORDER`]. [`Error::Weight`] where no function of that order comes within 80 dB.
+/// order of 0 or above [`HIGHEST_ORDER`]. [`Error::Weight`] if no function of that order comes within 80 dB.
 pub fn fit_table(table: &[TablePoint], order: usize) -> Result<WeightFit, Error> {
     check(table, order)?;
     let problem = Problem::new(table, order);

@@ -17,7 +17,7 @@ const REMOVED: f64 = 0.8;
 
 /// The trials of the default adaptation on one mechanism.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub struct AdaptationCase {
     pub seed: u64,
     /// Description of the sample, in words.
     pub drawn: String,
@@ -27,7 +27,7 @@ pub struct Case {
     pub is_refused: bool,
 }
 
-impl Case {
+impl AdaptationCase {
     /// Returns the trial in which adaptation does worst against none.
     pub fn worst_trial(&self) -> Option<&TrialRow> {
         self.rows.iter().max_by(|a, b| a.ratio().total_cmp(&b.ratio()))
@@ -60,7 +60,7 @@ impl Case {
 
 /// Returns the trials of a seed, with noise of another seed than that of the choice if `noise` is not 0; `None` if no controller exists for its
 /// mechanism.
-pub fn trial(seed: u64, noise: u64) -> Option<Case> {
+pub fn trial(seed: u64, noise: u64) -> Option<AdaptationCase> {
     let folder = root().join("examples/reference-rig");
     let text = std::fs::read(folder.join("project.toml")).ok()?;
     let (document, drawn) = draw_mechanism(Document::from_bytes(&text, "project.toml").ok()?, seed)?;
@@ -77,7 +77,7 @@ pub fn trial(seed: u64, noise: u64) -> Option<Case> {
         // what runs is the controller without adaptation
         tried.rows.iter_mut().for_each(|row| row.with_rad_s = row.without_rad_s);
     }
-    Some(Case { seed, drawn, bands, is_refused: !tried.refused.is_empty(), rows: tried.rows })
+    Some(AdaptationCase { seed, drawn, bands, is_refused: !tried.refused.is_empty(), rows: tried.rows })
 }
 
 /// A mechanism with the default adaptation: out-of-balance, gravity, friction, inertia, observer and motion are drawn.

@@ -42,7 +42,7 @@ pub struct RunObservation {
 
 /// One mechanism with its controller, what the certificate says, and what the runs show.
 #[derive(Debug, Clone)]
-pub struct Row {
+pub struct CertificateRow {
     pub seed: u64,
     pub blocks: String,
     pub certificate: CaseCertificate,
@@ -52,7 +52,7 @@ pub struct Row {
     pub kicked: Option<RunObservation>,
 }
 
-impl Row {
+impl CertificateRow {
     /// Returns whether the runs stay quiet: below two noise floors at rest, and without growth in motion.
     pub fn is_quiet(&self) -> bool {
         self.rest.rms <= 2.0 * self.certificate.noise_floor_rad_s && self.motion.growth <= 1.5
@@ -83,7 +83,7 @@ impl Row {
 }
 
 /// Returns the trial of a seed with the load that the controller was designed for; `None` if no controller exists for its weights.
-pub fn trial(seed: u64, base: &Project) -> Option<Row> {
+pub fn trial(seed: u64, base: &Project) -> Option<CertificateRow> {
     let mut dice = Dice::new(seed);
     let (project, blocks) = draw_case(base, &mut dice);
     let drawn = DrawnDesign::new(project)?;
@@ -94,11 +94,16 @@ pub fn trial(seed: u64, base: &Project) -> Option<Row> {
     let found = drawn.certify(&alone, seed);
     let plant = &drawn.modelled.plant;
     let controller = drawn.made.sampled.controller.runner();
-    Some(drawn.observe(Row::new(seed, blocks, found.cases[0].clone()), plant, &controller, &mut dice))
+    Some(drawn.observe(
+        CertificateRow::new(seed, blocks, found.cases[0].clone()),
+        plant,
+        &controller,
+        &mut dice,
+    ))
 }
 
 /// Returns the trials of a seed with every other load of its schedule, of which the controller is told; none without a schedule.
-pub fn scheduled_trials(seed: u64, base: &Project) -> Vec<Row> {
+pub fn scheduled_trials(seed: u64, base: &Project) -> Vec<CertificateRow> {
     let (project, blocks) = draw_case(base, &mut Dice::new(seed));
     let has_schedule = project.synth.as_ref().is_some_and(|synth| synth.options.schedule.is_some());
     let Some(drawn) = has_schedule.then(|| DrawnDesign::new(project)).flatten() else { return Vec::new() };
@@ -109,7 +114,7 @@ pub fn scheduled_trials(seed: u64, base: &Project) -> Vec<Row> {
     let of_setting = |(case, certificate): (&CertifiedCase, &CaseCertificate)| {
         let mut controller = drawn.made.sampled.controller.runner();
         controller.set_out_of_balance(case.out_of_balance_kg_m);
-        let row = Row::new(seed, format!("{blocks}, {}", case.name), certificate.clone());
+        let row = CertificateRow::new(seed, format!("{blocks}, {}", case.name), certificate.clone());
         drawn.observe(row, &case.plant, &controller, &mut dice)
     };
     cases.iter().zip(&found.cases).skip(1).map(of_setting).collect()
@@ -118,7 +123,7 @@ pub fn scheduled_trials(seed: u64, base: &Project) -> Vec<Row> {
 /// What is added to a seed for the noise of the runs with the other loads of a schedule.
 const SCHEDULED: u64 = 1_000_000;
 
-impl Row {
+impl CertificateRow {
     fn new(seed: u64, blocks: String, certificate: CaseCertificate) -> Self {
         let (rest, motion) = (RunObservation::default(), RunObservation::default());
         Self { seed, blocks, certificate, rest, motion, kicked: None }
@@ -147,7 +152,13 @@ impl DrawnDesign {
     }
 
     /// Runs the controller on the independent simulator at rest, in motion, and set moving in a certified limit cycle.
-    fn observe(&self, mut row: Row, plant: &Plant, controller: &Runner, dice: &mut Dice) -> Row {
+    fn observe(
+        &self,
+        mut row: CertificateRow,
+        plant: &Plant,
+        controller: &Runner,
+        dice: &mut Dice,
+    ) -> CertificateRow {
         let parameters = plant.parameters();
         let truth = machine(parameters);
         let still = |_: f64| Platform::default();

@@ -81,65 +81,70 @@ fn the_default_stands_still_where_friction_decides() {
     }
 }
 
-/// Projects whose load may change: the name of an example, and whether its friction is observed.
-const PROJECTS: [(&str, bool); 6] = [
-    ("reference-rig/project.toml", true),
-    ("reference-rig/project.toml", false),
-    ("appendix-5/chapter-6.toml", true),
-    ("tip-control/project.toml", true),
-    ("azimuth/project.toml", true),
-    ("out-of-balance-schedule/project.toml", true),
-];
+/// Half a minute for each project: `.ci/evidence` runs it.
+#[cfg(feature = "evidence")]
+mod every_project {
+    use super::*;
 
-/// An example with the default adaptation.
-fn adapting_by_default((name, observes): (&str, bool)) -> (Project, ExampleFolder) {
-    let file = root().join("examples").join(name);
-    let mut document = Document::from_bytes(&fs::read(&file).unwrap(), name).unwrap();
-    for section in ["synth.adaptation", "synth.schedule", "synth.observer"] {
-        document = document.remove(section).unwrap_or(document);
-    }
-    document = document.set("synth.adaptation.method", &SettingValue::Text("recursive".to_owned())).unwrap();
-    if observes {
-        document = document.set("synth.observer.share", &SettingValue::Number(0.9)).unwrap();
-    }
-    let beside = ExampleFolder(file.parent().unwrap().to_owned());
-    let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
-    (decide_choices(project, &beside), beside)
-}
+    /// Projects whose load may change: the name of an example, and whether its friction is observed.
+    const PROJECTS: [(&str, bool); 6] = [
+        ("reference-rig/project.toml", true),
+        ("reference-rig/project.toml", false),
+        ("appendix-5/chapter-6.toml", true),
+        ("tip-control/project.toml", true),
+        ("azimuth/project.toml", true),
+        ("out-of-balance-schedule/project.toml", true),
+    ];
 
-/// Half a minute for each project: `COUNTERPOISE_EVERY_TRIAL=1` asks for it.
-#[test]
-fn the_default_is_nowhere_worse_than_none_on_every_project_or_is_refused_there() {
-    if std::env::var_os("COUNTERPOISE_EVERY_TRIAL").is_none() {
-        return;
-    }
-    let (mut wrong, mut refused) = (Vec::new(), Vec::new());
-    for case in PROJECTS {
-        let (project, beside) = adapting_by_default(case);
-        let modelled = build_plant_model(&project).unwrap();
-        let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).unwrap()).unwrap();
-        let procedure = project_procedure(&project, &beside).unwrap();
-        let mut tried = own_trials(&project, &modelled, &made, &procedure).unwrap().unwrap();
-        if !tried.bands.unwrap().is_exported {
-            tried.rows.iter_mut().for_each(|row| row.with_rad_s = row.without_rad_s);
+    /// An example with the default adaptation.
+    fn adapting_by_default((name, observes): (&str, bool)) -> (Project, ExampleFolder) {
+        let file = root().join("examples").join(name);
+        let mut document = Document::from_bytes(&fs::read(&file).unwrap(), name).unwrap();
+        for section in ["synth.adaptation", "synth.schedule", "synth.observer"] {
+            document = document.remove(section).unwrap_or(document);
         }
-        for row in &tried.rows {
-            let [without, with, told] =
-                [row.without_rad_s, row.with_rad_s, row.told_rad_s].map(|rate| 1e3 * rate);
-            let removed = row.removed_share();
-            let named = format!("{case:?} {:?} {:?}", row.motion, row.load);
-            println!("{named}: none {without:.3}, adapted {with:.3}, told {told:.3}, removed {removed:.2?}");
-            let changed =
-                matches!(row.load, TrialLoad::Sudden | TrialLoad::Slow) && row.motion != TrialMotion::Sines;
-            let worse = row.is_harmful();
-            let too_little = changed && removed.is_some_and(|share| share < REMOVED);
-            if tried.refused.is_empty() && (worse || too_little) {
-                wrong.push(format!("{named}: {with:.3} of {without:.3}, removed {removed:.2?}"));
+        document =
+            document.set("synth.adaptation.method", &SettingValue::Text("recursive".to_owned())).unwrap();
+        if observes {
+            document = document.set("synth.observer.share", &SettingValue::Number(0.9)).unwrap();
+        }
+        let beside = ExampleFolder(file.parent().unwrap().to_owned());
+        let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
+        (decide_choices(project, &beside), beside)
+    }
+
+    #[test]
+    fn the_default_is_nowhere_worse_than_none_on_every_project_or_is_refused_there() {
+        let (mut wrong, mut refused) = (Vec::new(), Vec::new());
+        for case in PROJECTS {
+            let (project, beside) = adapting_by_default(case);
+            let modelled = build_plant_model(&project).unwrap();
+            let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).unwrap()).unwrap();
+            let procedure = project_procedure(&project, &beside).unwrap();
+            let mut tried = own_trials(&project, &modelled, &made, &procedure).unwrap().unwrap();
+            if !tried.bands.unwrap().is_exported {
+                tried.rows.iter_mut().for_each(|row| row.with_rad_s = row.without_rad_s);
             }
+            for row in &tried.rows {
+                let [without, with, told] =
+                    [row.without_rad_s, row.with_rad_s, row.told_rad_s].map(|rate| 1e3 * rate);
+                let removed = row.removed_share();
+                let named = format!("{case:?} {:?} {:?}", row.motion, row.load);
+                println!(
+                    "{named}: none {without:.3}, adapted {with:.3}, told {told:.3}, removed {removed:.2?}"
+                );
+                let changed = matches!(row.load, TrialLoad::Sudden | TrialLoad::Slow)
+                    && row.motion != TrialMotion::Sines;
+                let worse = row.is_harmful();
+                let too_little = changed && removed.is_some_and(|share| share < REMOVED);
+                if tried.refused.is_empty() && (worse || too_little) {
+                    wrong.push(format!("{named}: {with:.3} of {without:.3}, removed {removed:.2?}"));
+                }
+            }
+            refused.extend(tried.refused.iter().map(|why| (case.0, why.ratio)));
         }
-        refused.extend(tried.refused.iter().map(|why| (case.0, why.ratio)));
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+        // on an axis without gravity, a synthetic road tells too little of the load
+        assert!(refused.iter().all(|(name, _)| *name == "azimuth/project.toml"), "{refused:?}");
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    // on an axis without gravity, a synthetic road tells too little of the load
-    assert!(refused.iter().all(|(name, _)| *name == "azimuth/project.toml"), "{refused:?}");
 }

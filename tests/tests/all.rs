@@ -16,6 +16,7 @@ mod every_example;
 #[cfg(feature = "evidence")]
 mod exported_recordings;
 mod fuzz;
+mod glossary;
 mod imported_controllers;
 mod kinds_diagnosed;
 mod large_steps;

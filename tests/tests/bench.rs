@@ -37,7 +37,7 @@ fn runs(example: &str) -> Vec<AdaptRun> {
     let modelled = build_plant_model(&project).unwrap();
     let runs = adapt(&project, &modelled, &make_design(&project).unwrap()).unwrap();
     for run in &runs {
-        println!("({}) {}", run.letter, run.says);
+        println!("({}) {:?}", run.kind.letter(), run.kind);
         run.intervals.iter().for_each(|interval| println!("    {interval:?}"));
     }
     runs
@@ -52,11 +52,11 @@ fn came_back(runs: &[AdaptRun]) {
 #[test]
 fn after_each_step_of_out_of_balance_the_hub_rate_comes_back() {
     let runs = runs("adaptation");
-    let letters: String = runs.iter().map(|run| run.letter).collect();
+    let letters: String = runs.iter().map(|run| run.kind.letter()).collect();
     assert_eq!(letters, "abcdefgh");
     came_back(&runs);
     let worse = |letter: char| {
-        let run = runs.iter().find(|run| run.letter == letter).unwrap();
+        let run = runs.iter().find(|run| run.kind.letter() == letter).unwrap();
         run.intervals.iter().map(|interval| interval.over_default).fold(0.0, f64::max)
     };
     assert!(worse('b') > 1.2 && worse('e') > 1.2, "{} {}", worse('b'), worse('e'));
@@ -69,7 +69,7 @@ fn with_the_amplifiers_curve_in_the_loop_the_lowest_out_of_balance_comes_back_le
     let project = project(&left);
     let modelled = build_plant_model(&project).unwrap();
     let runs = adapt(&project, &modelled, &make_design(&project).unwrap()).unwrap();
-    let last = runs.iter().find(|run| run.letter == 'h').unwrap();
+    let last = runs.iter().find(|run| run.kind.letter() == 'h').unwrap();
     for interval in &last.intervals {
         assert_eq!(interval.over_default > 1.10, interval.factor == 0.37, "{interval:?}");
     }

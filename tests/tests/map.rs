@@ -160,6 +160,57 @@ fn nothing_that_people_read_is_printed_as_debug_prints_it() {
     }
 }
 
+/// Returns the paths `crate::module::Item` of a page, each of two parts at least, whose first one is a member of the workspace.
+fn code_paths(page: &str) -> Vec<String> {
+    let known = members();
+    let pieces = page.split('`').skip(1).step_by(2);
+    let is_path = |piece: &&str| {
+        piece.contains("::") && piece.chars().all(|letter| is_part_of_name(letter) || letter == ':')
+    };
+    let begins = |piece: &&str| {
+        piece.split("::").next().is_some_and(|first| known.iter().any(|member| member == first))
+    };
+    pieces.filter(is_path).filter(begins).map(str::to_owned).collect()
+}
+
+/// Returns whether a source declares an item: a module, a type, a function, a constant, a variant or a re-export of one.
+fn declares(code: &str, name: &str) -> bool {
+    let is_word = |at: usize| {
+        !code[..at].ends_with(is_part_of_name) && !code[at + name.len()..].starts_with(is_part_of_name)
+    };
+    let keywords = ["mod ", "struct ", "enum ", "trait ", "type ", "fn ", "const ", "static "];
+    code.match_indices(name).filter(|(at, _)| is_word(*at)).any(|(at, _)| {
+        keywords.iter().any(|keyword| code[..at].ends_with(keyword))
+            || code[..at].rsplit('\n').next().is_some_and(|line| line.trim().is_empty())
+    })
+}
+
+#[test]
+fn every_item_that_the_architecture_names_exists() {
+    let page = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let mut wrong = Vec::new();
+    for path in code_paths(&page) {
+        let (member, items) = path.split_once("::").unwrap();
+        let sources = sources(member);
+        for item in items.split("::") {
+            let is_file = |file: &std::path::Path| file.file_stem().is_some_and(|stem| stem == item);
+            if !sources.iter().any(|(file, code)| is_file(file) || declares(code, item)) {
+                wrong.push(format!("{path}: {member} has no {item}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "ARCHITECTURE.md names what is not there:\n{}", wrong.join("\n"));
+    assert!(code_paths(&page).len() > 10);
+}
+
+#[test]
+fn declared_items_are_told_from_mentioned_ones() {
+    let code =
+        "pub struct Mat {\n}\nimpl Mat {\n    pub fn zeros() {}\n}\nenum One {\n    Two,\n}\nuse a::Three;\n";
+    assert!(["Mat", "zeros", "One", "Two"].iter().all(|name| declares(code, name)));
+    assert!(!["Three", "Ma", "Four"].iter().any(|name| declares(code, name)));
+}
+
 fn is_part_of_name(letter: char) -> bool {
     letter.is_alphanumeric() || letter == '_'
 }

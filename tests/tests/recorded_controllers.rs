@@ -220,7 +220,7 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
     assert_eq!(diagnosed.control, ReplayLoop::Open);
     assert_eq!(diagnosed.diagnosis.answer.verdict, DiagnosisVerdict::Consistent);
     let said = |remark: &RecordingRemark| matches!(remark, RecordingRemark::OtherController { .. });
-    assert!(diagnosed.diagnosis.answer.qualification.iter().any(said));
+    assert!(diagnosed.diagnosis.answer.remarks.iter().any(said));
 }
 
 /// Examples whose controllers differ in their blocks: three parts, a friction observer, a schedule, an estimator.

@@ -1,5 +1,5 @@
 //! Faults of sensors and recorder, put into the recordings of machines with and without concealed physics: each is named by column
-//! and kind, nothing else is, and what can be mended is what it was before.
+//! and kind, nothing else is, and what can be corrected is what it was before.
 //!
 //! By default a third of the faults is tried, and half of the machines; `EVERY_FAULT=1`, as in `.ci/evidence`, tries all.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]

@@ -1,4 +1,4 @@
-//! Faults of the recorder, put into a recording of an independent simulator: each is named by the qualification, and none
+//! Faults of the recorder, put into a recording of an independent simulator: each is named by the sanity checks, and none
 //! keeps the rest of the recording from being replayed.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

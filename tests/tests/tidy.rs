@@ -1,6 +1,7 @@
 //! The code stays tidy: short functions, names of functions, types and modules that say what is done and what is there, `lib.rs` pages that list their modules, no dependency that is not used.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -619,6 +620,31 @@ fn types_are_called_by_nouns() {
     for (at, AllowedType { name, why }) in ALLOWED_TYPES.iter().enumerate() {
         assert!(needed.contains(&at), "no type is called {name} ({why:?}): leave it out of the list");
     }
+}
+
+/// Returns the types that a source declares for other modules: their lines and names.
+fn public_types(code: &str) -> impl Iterator<Item = (usize, &str)> {
+    let lines: Vec<&str> = code.lines().collect();
+    declared_types(code).filter(move |(line, _)| lines[line - 1].trim_start().starts_with("pub "))
+}
+
+#[test]
+fn no_two_public_types_of_a_crate_share_a_name() {
+    let mut wrong = Vec::new();
+    for folder in members() {
+        let mut known: BTreeMap<String, String> = BTreeMap::new();
+        for (file, code) in sources(&folder) {
+            for (line, name) in public_types(&code) {
+                let place = format!("{}:{line}", file.display());
+                if let Some(other) = known.insert(name.to_owned(), place.clone()) {
+                    wrong.push(format!("{name}: {other} and {place}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "two concepts never share a name:\n{}", wrong.join("\n"));
+    let code = "pub struct One;\npub(crate) struct Two;\nstruct Three;\n";
+    assert_eq!(public_types(code).collect::<Vec<_>>(), [(1, "One")]);
 }
 
 #[test]

@@ -32,7 +32,7 @@ impl FigureChange {
         Some(self.after? - self.before?)
     }
 
-    /// Returns (after - before) / |before|: 0 where both are the same, infinite from 0 or without a bound, `None` if one is missing.
+    /// Returns (after - before) / |before|: 0 if both are the same, infinite from 0 or without a bound, `None` if one is missing.
     pub fn relative_change(&self) -> Option<f64> {
         let (before, after) = (self.before?, self.after?);
         Some(if before == after { 0.0 } else { (after - before) / before.abs() })

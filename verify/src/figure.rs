@@ -49,7 +49,7 @@ pub const ARRANGEMENTS: [Arrangement; 3] =
 pub enum LoopFigure {
     /// Smallest factor, in dB, by which the gain may grow.
     GainMargin,
-    /// Smallest factor, in dB, by which the gain may shrink (infinite where any reduction is stable).
+    /// Smallest factor, in dB, by which the gain may shrink (infinite if any reduction is stable).
     GainReductionMargin,
     /// Smallest phase lag, in degrees, that destabilises.
     PhaseMargin,

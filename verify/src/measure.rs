@@ -13,7 +13,7 @@ use crate::{
 /// Value of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// A number in the figure's unit; infinite where the figure has no bound (a loop that diverges, a margin without limit).
+    /// A number in the figure's unit; infinite if the figure has no bound (a loop that diverges, a margin without limit).
     Is(f64),
     /// There is no such number.
     Absent {

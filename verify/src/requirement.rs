@@ -111,7 +111,7 @@ impl Requirement {
     /// Returns a requirement with a finite limit.
     ///
     /// # Errors
-    /// [`Error::Range`] where the limit is NaN or infinite.
+    /// [`Error::Range`] if the limit is NaN or infinite.
     pub fn new(figure: PerformanceFigure, limit: Limit) -> Result<Self, Error> {
         if !limit.value().is_finite() {
             return Err(Error::Range {

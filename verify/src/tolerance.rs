@@ -104,7 +104,7 @@ pub const MOVES_UNSTABLE_FLOORS: f64 = 1.0;
 /// A run at rest between the two limits above is repeated so often with other noise; the spread of four runs is nearly the range in which
 /// a fifth one falls.
 pub const REPEATED_RUNS: u64 = 3;
-/// The halves of a run of a limit cycle move alike to this: its amplitude is constant, and noise changes it by a few percent. Motion that noise
+/// The halves of a run of a limit cycle have the same motion to this: its amplitude is constant, and noise changes it by a few percent. Motion that noise
 /// starts anew again and again differs by more.
 pub const ALIKE_HALVES: f64 = 0.2;
 /// Largest half range over RMS of a limit cycle: 1.4 of a sine, 1.7 of a triangle, 2 of stick and slip; bursts have more.

@@ -253,7 +253,7 @@ impl Verification {
 /// the one it was designed for.
 ///
 /// # Errors
-/// [`Error::Period`] where controller and interface have two clocks, [`Error::Range`] and others for a procedure that cannot be run,
+/// [`Error::Period`] if controller and interface have two clocks, [`Error::Range`] and others for a procedure that cannot be run,
 /// and those of the plant, the controller and the simulator. A requirement that fails is a verdict, not an error.
 pub fn verify(
     plant: &Plant,

@@ -9,6 +9,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use counterpoise_report::adaptation::{self, adaptation_report};
+use counterpoise_report::results::AdaptText;
+use counterpoise_report::wording::adaptation::describe_run;
 
 use crate::exit::{CommandResult, verdict_code};
 use crate::options::CommandOutputs;
@@ -38,7 +40,7 @@ pub fn run(options: &AdaptOptions) -> CommandResult {
         let page = adaptation_report(name, &command, runs, AdaptedIntervals::of(runs));
         output::write_report(path, &options.outputs.results, &page)?;
     }
-    if !output::write_result(&options.outputs.results, &result)? {
+    if !output::write_result(&options.outputs.results, &AdaptText::from(&result))? {
         print(runs);
         adaptation::trial_lines(tried).iter().for_each(|line| say!("{line}"));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
@@ -53,7 +55,7 @@ pub fn run(options: &AdaptOptions) -> CommandResult {
 
 fn print(runs: &[AdaptRun]) {
     for run in runs {
-        say!("({}) {}", run.letter, run.says);
+        say!("({}) {}", run.kind.letter(), describe_run(run.kind));
         for interval in &run.intervals {
             let [from, to] = interval.from_to_s;
             let verdict = match (interval.adapted, interval.has_returned()) {

@@ -11,6 +11,7 @@ use counterpoise_claims::{Agreement, Claim, ClaimOutcome, Criterion, claim_ids, 
 use counterpoise_pipeline::{ProjectIdentity, run_stages};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::code_header::HeaderText;
+use counterpoise_report::wording::figures::format_figure;
 use counterpoise_report::{ReportOrigin, VerificationContext, evidence};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -191,12 +192,6 @@ fn print(row: &Row<'_>) {
     say!("{:4} {:13} {}: {}", row.id, row.finding, row.title, row.says);
     [row.measured, row.why].iter().filter(|text| !text.is_empty()).for_each(|text| say!("     {text}"));
     for one in row.criteria.iter().filter(|one| one.agreement != "agrees") {
-        say!(
-            "     {}: {} {} (thesis: {})",
-            one.agreement,
-            one.what,
-            output::format_figure(one.measured),
-            one.thesis
-        );
+        say!("     {}: {} {} (thesis: {})", one.agreement, one.what, format_figure(one.measured), one.thesis);
     }
 }

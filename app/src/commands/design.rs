@@ -10,29 +10,27 @@ use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::stages::StagePrinter;
 use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::exchange::ControllerResult;
-use counterpoise_pipeline::export::target_proofs::{CodeAgreement, CompiledCodeTest, StepCosts};
-use counterpoise_pipeline::results::{DesignResult, ResultContents};
+use counterpoise_pipeline::results::DesignResult;
 use counterpoise_pipeline::studies::advice::KeptDesigns;
-use counterpoise_pipeline::{CompletedDesign, FirstDesignResult, TwoAxisStudy, World, design_project};
-use counterpoise_pool::Pool;
+use counterpoise_pipeline::{
+    CompletedDesign, DesignContents, FirstDesignResult, TwoAxisStudy, design_project,
+};
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::{describe_action, describe_refusal};
 use counterpoise_report::certificate;
 use counterpoise_report::design::DesignRun;
 use counterpoise_report::results::{DesignText, FirstDesignText};
-use counterpoise_report::wording::acceptance::AcceptanceSource;
+use counterpoise_report::terminal::verdicts::{describe_compiled_code, verdict_lines};
 use counterpoise_report::wording::certificates::total_cost_lines;
 use counterpoise_report::wording::code_header::HeaderText;
-use counterpoise_report::wording::figures::{describe_figure, describe_unmeasured};
-use counterpoise_report::{ReportOrigin, advice, html_page, of_design, summary, two_axes};
-use counterpoise_verify::{Verdict, Verification};
+use counterpoise_report::{ReportOrigin, advice, html_page, of_design, two_axes};
 use serde::Serialize;
 
 use super::{export, first_design};
 use crate::exit::{CommandResult, verdict_code};
 use crate::options::{ResultOutput, WRITTEN};
 use crate::output;
-use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
+use counterpoise_host::projects::{self, ProjectWorld};
 
 /// Arguments of `design`.
 #[derive(Args)]
@@ -71,8 +69,13 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     }
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let designed = design_project(&loaded.project, &HeaderText, &world)?;
-    let mut result = results_of(options, &loaded, &designed, world.pool())?;
+    let contents = DesignContents {
+        assumptions: &loaded.assumptions,
+        systems: options.results.loop_systems(),
+        kept: if options.histories { KeptDesigns::Histories } else { KeptDesigns::Systems },
+    };
+    let designed = design_project(&loaded.project, &contents, &HeaderText, &world)?;
+    let mut result = DesignResult::complete(&designed);
     let code = &designed.targets.code;
     let (proofs, costs) =
         (proofs::prove_code(code, &designed.targets.compared), processor::measure_costs(code));
@@ -116,21 +119,6 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     Ok(verdict_code([holds, compiled.differing == 0, together, traverse]))
 }
 
-/// Returns the results of a design, with the histories if they are asked for.
-fn results_of(
-    options: &DesignOptions,
-    loaded: &ProjectOnDisk,
-    designed: &CompletedDesign,
-    pool: &dyn Pool,
-) -> anyhow::Result<DesignResult> {
-    let contents = ResultContents {
-        assumptions: &loaded.assumptions,
-        systems: options.results.loop_systems(),
-        kept: if options.histories { KeptDesigns::Histories } else { KeptDesigns::Systems },
-    };
-    Ok(DesignResult::complete(&loaded.project, designed, &contents, pool)?)
-}
-
 fn print_two_axes(designed: &CompletedDesign) {
     let both = designed.two_axes.iter().flat_map(two_axes::two_axes_lines);
     both.for_each(|line| say!("two axes: {line}"));
@@ -141,43 +129,11 @@ fn print_adaptation(designed: &CompletedDesign) {
     action.for_each(|action| print_message(&format!("adaptation: {action}")));
 }
 
-/// The answers of compilers and of the compiled code.
-struct CompiledCode {
-    /// Number of compiled codes that answer otherwise than their model.
-    differing: usize,
-    /// The notes for the user.
-    said: Vec<String>,
-}
-
-/// Returns what is to be said of code that was compiled and run, or could not be.
-fn describe_compiled_code(proofs: &[CompiledCodeTest], costs: &StepCosts) -> CompiledCode {
-    let mut code = CompiledCode { differing: 0, said: Vec::new() };
-    for proof in proofs {
-        let language = if proof.rust { "Rust" } else { "C" };
-        let numbers = proof.numbers.name();
-        match &proof.answered {
-            CodeAgreement::Alike { .. } => {}
-            CodeAgreement::Otherwise { samples, wrong } => {
-                code.differing += 1;
-                code.said.push(format!(
-                    "  FAILS  compiled {language} in {numbers} numbers: {wrong} of {samples} samples differ from its model; \
-                     use another compiler, or report this with the compiler's version"
-                ));
-            }
-            CodeAgreement::NotRun(why) => code.said.push(format!(
-                "note: the {language} in {numbers} numbers was not compared with its model: {why}"
-            )),
-        }
-    }
-    code.said.extend(costs.remark.iter().map(|remark| format!("note: the cost on a Cortex-M: {remark}")));
-    code
-}
-
 fn print(options: &DesignOptions, designed: &CompletedDesign) {
     let made = &designed.stages;
-    print_verdicts(made.verified.verification());
+    output::print_lines(&verdict_lines(made.verified.verification()));
     advice::advice_lines(&designed.advice).iter().for_each(|line| say!("advice: {line}"));
-    total_cost_lines(designed.comparison.total_cost.as_ref()).iter().for_each(|line| say!("{line}"));
+    output::print_lines(&total_cost_lines(designed.comparison.total_cost.as_ref()));
     certificate::certificate_lines(&made.stability).iter().for_each(|line| say!("stability: {line}"));
     say!();
     say!("report  {}", options.output.join("report.html").display());
@@ -189,45 +145,4 @@ fn print(options: &DesignOptions, designed: &CompletedDesign) {
         traverse.files.iter().for_each(|file| say!("code    {}", folder.join(&file.name).display()));
     }
     made.all_left_out().for_each(|code| say!("left out  {code}"));
-}
-
-/// Prints the verdicts, one a line, and their sum.
-pub fn print_verdicts(found: &Verification) {
-    for (requirement, verdict) in &found.verdicts {
-        let name = describe_figure(requirement.figure, found.controlled_quantity());
-        let unit = requirement.figure.unit(found.controlled_quantity());
-        let basis = found.acceptance(&requirement.figure).basis;
-        match verdict {
-            Verdict::Holds { value, limit, .. } => {
-                let (value, sign, limit) = (with_unit(*value, unit), limit.side(), limit.value());
-                say!("  holds  {name}: {value} ({sign} {limit}; {basis})");
-            }
-            Verdict::Fails { value, limit, by } => {
-                let by = output::format_figure(*by);
-                say!(
-                    "  FAILS  {name}: {} ({} {}; {basis}), by {by}",
-                    with_unit(*value, unit),
-                    limit.side(),
-                    limit.value()
-                );
-            }
-            Verdict::NotApplicable { why } => {
-                say!("  -      {name}: not applicable, {}", describe_unmeasured(why))
-            }
-        }
-    }
-    let (holds, fails, open) = found.counts();
-    if found.verdicts.is_empty() {
-        say!(
-            "nothing was required: [[verify.requirement]] with `figure` and `at_least` or `at_most` states what the design must reach"
-        );
-    } else {
-        say!("{holds} requirements hold, {fails} fail, {open} not applicable");
-    }
-    summary::not_quiet(found).iter().for_each(|line| say!("NOT quiet: {line}"));
-}
-
-fn with_unit(value: f64, unit: &str) -> String {
-    let number = output::format_figure(value);
-    if unit.is_empty() { number } else { format!("{number} {unit}") }
 }

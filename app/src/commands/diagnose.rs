@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
-use counterpoise_diagnose::findings::answer::{DiagnosisVerdict, FitTable, Hypothesis};
+use counterpoise_diagnose::findings::answer::FitTable;
 use counterpoise_diagnose::findings::channel_fits::PooledFits;
 use counterpoise_pipeline::recordings::{
     RecordingFile, channel_label, channel_words, diagnose, replay_held_out, replay_improved,
@@ -10,16 +10,11 @@ use counterpoise_pipeline::recordings::{
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::{RedesignComparison, verify_redesign};
 use counterpoise_project::Purpose;
-use counterpoise_report::wording::answer::{
-    AnswerText, FindingText, component_list, describe_diagnosed_recordings, describe_verdict,
-    describe_warning, unit_suffix,
-};
-use counterpoise_report::wording::figures::describe_figure;
+use counterpoise_report::diagnosis;
+use counterpoise_report::terminal::diagnosis::{answer_lines, consequence_lines};
+use counterpoise_report::wording::answer::{AnswerText, describe_diagnosed_recordings, describe_warning};
 use counterpoise_report::wording::held_out_recordings::{HeldOutText, describe_held_out};
-use counterpoise_report::wording::learned::LearnedText;
 use counterpoise_report::wording::recordings::{describe_recordings_error, describe_replay};
-use counterpoise_report::{diagnosis, difference};
-use counterpoise_verify::Verification;
 
 use crate::exit::{CommandResult, ExitStatus};
 use crate::options::DiagnoseOptions;
@@ -69,7 +64,7 @@ pub fn run(options: &DiagnoseOptions) -> CommandResult {
         print(&loaded, &answer);
         print_confirmation(&loaded, &confirmed);
         print_held_out(&loaded, &answer.held_out_recordings);
-        consequence.iter().for_each(print_consequence);
+        consequence.iter().for_each(|found| output::print_lines(&consequence_lines(found)));
     }
     Ok(ExitStatus::SUCCESS)
 }
@@ -95,7 +90,9 @@ fn print_confirmation(loaded: &ProjectOnDisk, replayed: &[RecordingResult]) {
             .channels
             .iter()
             .map(|(name, c)| (channel_label(&loaded.project.plant, name), c))
-            .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.residual_over_floor))
+            .map(|(name, c)| {
+                format!("{name} {:.4e} ({:.2} noise floors)", c.rms_error, c.residual_over_floor)
+            })
             .collect();
         say!("  {}: {}", recording.file, ratios.join(", "));
     }
@@ -140,109 +137,13 @@ fn redesign(
     Ok(verify_redesign(&loaded.project, &found.improved, &ProjectWorld::of(loaded, progress))?)
 }
 
-fn print_consequence(found: &RedesignComparison) {
-    say!("the project's design on the improved model:");
-    for change in found.changes.iter().filter(|change| change.has_changed_verdict()) {
-        let (_, word) = difference::classify_change(change);
-        say!(
-            "  {word}: {} ({})",
-            describe_figure(change.figure, change.controlled),
-            difference::describe_size(change)
-        );
-    }
-    let line = |name: &str, v: &Verification| {
-        let (hold, fail, _) = v.counts();
-        say!("  {name:<32} {hold} requirements hold, {fail} fail");
-    };
-    line("before, on the model as it was", &found.before);
-    line("the same controller", &found.kept);
-    found.redesigned.iter().for_each(|v| line("designed anew", v));
-}
-
 fn print(loaded: &ProjectOnDisk, answer: &AnswerText) {
-    if !answer.qualification.is_empty() {
-        say!("about the recordings themselves:");
-        answer.qualification.iter().for_each(|remark| say!("  {remark}"));
-        say!();
-    }
-    say!("equations of torque and motion that these sensors allow:");
-    for row in &answer.isolability {
-        say!(
-            "  {:<8} {:<4} depends on {}",
-            row.balance.name(),
-            if row.available { "yes" } else { "no" },
-            component_list(&row.sees)
-        );
-    }
-    say!();
-    let verdict = describe_verdict(answer.verdict);
-    say!("{}: {}", verdict.name, verdict.sentence);
-    answer.findings.iter().for_each(print_finding);
-    answer.learned.iter().for_each(print_learned);
-    print_candidates(answer);
+    output::print_lines(&answer_lines(answer));
     print_fit(loaded, &answer.fit);
     if let Some(next) = &answer.next_experiment {
         say!("next experiment: {}; it {}", next.what, next.why);
     }
     answer.warnings.iter().for_each(|warning| say!("note: {}", describe_warning(*warning)));
-}
-
-fn print_finding(finding: &FindingText) {
-    say!("  {} {} (probability {:.0} %)", finding.component, finding.effect, 100.0 * finding.probability);
-    say!("    {}", finding.explanation);
-    say!("    shows {}", finding.when);
-    for p in &finding.parameters {
-        say!(
-            "    {} = {:.5}{}  [{:.5}, {:.5}], was {:.5}",
-            p.name,
-            p.value,
-            unit_suffix(p),
-            p.ci95[0],
-            p.ci95[1],
-            p.before
-        );
-    }
-    for other in &finding.alternatives {
-        say!("    cannot be distinguished from {} {}", other.component, other.effect);
-    }
-}
-
-fn print_learned(learned: &LearnedText) {
-    say!("free functions in place of an unidentified effect:");
-    for function in &learned.functions {
-        say!("  {}", function.reading);
-        say!("    {}", function.range);
-    }
-    say!("  {}", learned.summary);
-}
-
-/// Effects that are shown if none is certain.
-const SHOWN_CANDIDATES: usize = 3;
-
-/// Prints the effects of the library that explain most, each with its size and what it leaves, if no name explains everything.
-fn print_candidates(answer: &AnswerText) {
-    if !matches!(answer.verdict, DiagnosisVerdict::Unknown | DiagnosisVerdict::Incomplete) {
-        return;
-    }
-    let first = answer.hypotheses.iter().filter(|h| h.stage == 1 && h.beside.is_empty());
-    let mut best: Vec<&Hypothesis> = first.filter(|h| h.power_left < 1.0).collect();
-    best.sort_by(|a, b| a.power_left.total_cmp(&b.power_left));
-    best.truncate(SHOWN_CANDIDATES);
-    if best.is_empty() {
-        return;
-    }
-    say!("effects of the library that explain most, each alone:");
-    for h in best {
-        let unit = |unit: &str| if unit == "1" { String::new() } else { format!(" {unit}") };
-        let sizes: Vec<String> =
-            h.values.iter().map(|v| format!("{} {:.4}{}", v.name, v.value, unit(v.unit))).collect();
-        let left = 100.0 * h.power_left;
-        let (component, effect) = (h.component, h.effect);
-        say!(
-            "  {component} {effect}: {}; leaves {left:.0} % of the residual's power on held-out data",
-            sizes.join(", ")
-        );
-    }
 }
 
 fn print_fit(loaded: &ProjectOnDisk, fit: &FitTable) {

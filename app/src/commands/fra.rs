@@ -10,7 +10,8 @@ use counterpoise_pipeline::studies::fra::{
     Analyser, LoopController, LoopUnderTest, MeasurementPlan, ResponseMap, map_recordings,
 };
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
-use counterpoise_pipeline::studies::fra_summary::{MapTotals, MeasuringPace};
+use counterpoise_pipeline::studies::fra_summary::MeasuringPace;
+use counterpoise_pipeline::studies::fra_totals::MapTotals;
 use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::fra::{fra_report, map_title, sticking_lines};
 use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};

@@ -3,6 +3,7 @@
 use anyhow::{Result, bail};
 use clap::Args;
 use counterpoise_host::files::{PROJECT_FILE, create_project};
+use counterpoise_host::projects::UnreadProject;
 use counterpoise_project::starters::{StarterKind, StarterQuestion, with_answer};
 use counterpoise_project::{Document, STARTER};
 use std::io::{BufRead, IsTerminal, Write};
@@ -44,16 +45,26 @@ pub fn run(options: &NewOptions) -> CommandResult {
             names()
         ),
     };
-    let path = create_project(&options.folder, &document).map_err(anyhow::Error::msg)?;
-    print_next_steps(&path, &options.folder);
+    create_project(&options.folder, &document).map_err(anyhow::Error::msg)?;
+    print_next_steps(&options.folder);
     Ok(ExitStatus::SUCCESS)
 }
 
-fn print_next_steps(path: &Path, folder: &Path) {
-    say!("wrote {}. Change its values to your own, and run", path.display());
+fn print_next_steps(folder: &Path) {
+    say!("wrote {}. Change its values to your own, and run", folder.join(PROJECT_FILE).display());
     let (folder, out) = (shell_word(folder), shell_word(&folder.join("out")));
     say!("    counterpoise check {folder}");
     say!("    counterpoise design {folder} -o {out}");
+}
+
+/// Returns how to begin the project that a command did not find; `None` if that is not its error.
+pub fn describe_missing_project(error: &anyhow::Error) -> Option<String> {
+    let path = &error.downcast_ref::<UnreadProject>().filter(|unread| !unread.path.exists())?.path;
+    let is_folder = path.extension().is_none();
+    let folder =
+        if path.ends_with(PROJECT_FILE) { path.parent() } else { is_folder.then_some(path.as_path()) };
+    let folder = folder.filter(|folder| folder.file_name().is_some()).map_or("FOLDER".to_owned(), shell_word);
+    Some(format!("note: to begin a project there: counterpoise new {folder} --like sight"))
 }
 
 /// Returns a path as one word of a command line.

@@ -51,12 +51,11 @@ fn print(answer: &StructureAnswer) {
     say!("{}: {}", describe_verdict(answer.verdict).name, describe_structure(answer));
     let head = best.map_or(String::new(), |t| format!("with {}", describe_hypothesis(t.hypothesis)));
     say!("  {:>4} {:>12} {:>12} {:>8}   {head}", "mode", "measured Hz", "model Hz", "error %");
-    let off = answer.errors_percent(&answer.model_hz);
+    let off = &answer.model_errors_percent;
     for (k, measured) in answer.measured_hz.iter().enumerate() {
         let model = answer.model_hz[k];
-        let improved = best.map_or(String::new(), |t| {
-            format!("{:12.3} {:+8.2}", t.modes_hz[k], answer.errors_percent(&t.modes_hz)[k])
-        });
+        let improved =
+            best.map_or(String::new(), |t| format!("{:12.3} {:+8.2}", t.modes_hz[k], t.errors_percent[k]));
         say!("  {:>4} {measured:12.3} {model:12.3} {:+8.2}   {improved}", k + 1, off[k]);
     }
     say!();

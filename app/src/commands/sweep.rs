@@ -10,11 +10,11 @@ use counterpoise_pipeline::studies::sweep::{
 };
 use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
-use counterpoise_report::sweep::SweepFigure;
+use counterpoise_report::terminal::sweep::sweep_lines;
 use counterpoise_report::wording::code_header::HeaderText;
-use counterpoise_report::{ProvenanceEntry, VerificationContext, certificate, robustness, sweep};
+use counterpoise_report::{ProvenanceEntry, VerificationContext, sweep};
 use counterpoise_verify::robustness::{Campaign, FamilyMember};
-use counterpoise_verify::structured::{Joints, RobustStability};
+use counterpoise_verify::structured::RobustStability;
 use std::path::Path;
 
 use crate::exit::{CommandResult, ExitStatus, verdict_code};
@@ -218,8 +218,7 @@ fn finish(named: &NamedCampaign, options: &SweepOptions) -> CommandResult {
     output::write_report(&options.output.join("report.html"), &options.results, &page)?;
     let rows = sweep::sweep_figures(&found);
     if !output::write_list(&options.results, "figures", &rows)? {
-        print(&found, &rows);
-        print_stability(&found);
+        output::print_lines(&sweep_lines(&found, &rows));
         say!("report  {}", options.output.join("report.html").display());
     }
     Ok(verdict_code([found.passing == found.samples()]))
@@ -234,49 +233,6 @@ fn refuse_shards(problem: ShardsProblem) -> Error {
             "the shards do not make one campaign: remove those of other cuts, or run the missing ones",
         ),
     }
-}
-
-fn print(found: &CampaignResult, rows: &[SweepFigure]) {
-    for row in rows {
-        let (low, high) = (100.0 * row.interval.0, 100.0 * row.interval.1);
-        let worst = row.worst_sample.map_or(String::new(), |k| format!(", worst: --sample {k}"));
-        say!(
-            "{:6.2} % ({low:.1} to {high:.1})  {}: 5 % {}, median {}, 95 % {}{worst}",
-            100.0 * row.share,
-            row.figure,
-            output::format_figure(row.q05),
-            output::format_figure(row.median),
-            output::format_figure(row.q95)
-        );
-        if let Some(worst) = &row.worst_case {
-            let word = if worst.meets { "still meets it" } else { "fails" };
-            say!("           worst case {} ({word}): {}", output::format_figure(worst.value), worst.options);
-        }
-    }
-    let all = found.samples();
-    say!(
-        "shares are of {all} mechanisms; worst cases come from a search from the worst sample inside the ranges"
-    );
-}
-
-fn print_stability(found: &CampaignResult) {
-    if let Some(least) = found.least_robust() {
-        say!("linear: {}", sweep::robustness_limit(least));
-    }
-    match &found.stability {
-        Some(own) => {
-            let is_at_rest = |at: &RegimeRobustness| at.joints == Joints::AtRest;
-            let joints =
-                if found.regimes.iter().any(is_at_rest) { Joints::Sliding } else { Joints::Frictionless };
-            let heading = certificate::worst_case_heading(joints);
-            robustness::robustness_lines(own).iter().for_each(|line| say!("{heading}: {line}"));
-        }
-        None if !found.regimes.is_empty() => {}
-        None => say!(
-            "linear: no worst case, for nothing that enters the linear loop varies, or it is unstable as it is"
-        ),
-    }
-    certificate::robustness_lines(&found.regimes).iter().for_each(|line| say!("linear: {line}"));
 }
 
 /// One sample, for another program.

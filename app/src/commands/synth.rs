@@ -2,17 +2,13 @@
 
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
-use counterpoise_pipeline::studies::comparison::{DesignComparison, LoopFigures, MethodRow};
-use counterpoise_pipeline::studies::search::{
-    JudgedWeights, SearchAnswer, TradeOffPoint, search_weights, verify_found,
-};
+use counterpoise_pipeline::studies::search::{JudgedWeights, search_weights, verify_found};
 use counterpoise_pipeline::tuning::TuningResult;
 use counterpoise_pipeline::{
-    self as pipeline, FirstDesignResult, PlantModel, ProjectIdentity, ReducedPlant, SynthesisStudy,
-    study_synthesis,
+    self as pipeline, FirstDesignResult, PlantModel, ProjectIdentity, ReducedPlant, study_synthesis,
 };
 use counterpoise_project::Purpose;
-use counterpoise_synth::{Figures, SearchEnding, SearchTrial};
+use counterpoise_synth::SearchTrial;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -24,14 +20,11 @@ use crate::output::{self, say};
 use counterpoise_host::interrupt;
 use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 use counterpoise_host::stages::ProgressDisplay;
-use counterpoise_plot::number::short_number;
+use counterpoise_report::results::search::SearchText;
 use counterpoise_report::results::{ComparisonText, FirstDesignText, SynthText};
+use counterpoise_report::terminal::search::search_lines;
+use counterpoise_report::terminal::synthesis::synthesis_lines;
 use counterpoise_report::trade_off::VerifiedPoint;
-use counterpoise_report::wording::certificates::total_cost_lines;
-use counterpoise_report::wording::design_findings::describe_design_findings;
-use counterpoise_report::wording::figures::{describe_modulus, drop_small_sign};
-use counterpoise_report::wording::schedule::{describe_conditions, describe_law};
-use counterpoise_report::wording::weights::describe_weights;
 use counterpoise_report::{of_synthesis, trade_off};
 
 /// Arguments of `synth`.
@@ -106,9 +99,7 @@ pub fn run(options: &SynthOptions) -> CommandResult {
     if !output::write_result(&options.outputs.results, &whole)? {
         super::first_design::print_first_design(&loaded);
         super::tuning::print_tuning(&loaded);
-        describe_weights(&study.asked).iter().for_each(|line| say!("{line}"));
-        print_design(&result);
-        print_comparison(&study);
+        output::print_lines(&synthesis_lines(&study, &result));
         options.save.iter().for_each(|path| print_saved(&loaded, path));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
@@ -122,174 +113,6 @@ fn print_saved(loaded: &ProjectOnDisk, path: &Path) {
     if loaded.first_design.is_some() && asked.is_some() {
         say!("        its weights stand in the place of synth.bandwidth, which is not written");
     }
-}
-
-fn print_design(result: &SynthText) {
-    let figures = &result.figures;
-    say!();
-    say!("design plant of order {}", figures.plant_order);
-    figures.path_orders.iter().for_each(|(name, order)| say!("{name}: order {order}"));
-    let largest = figures.largest_pole_modulus;
-    say!(
-        "closed sampled loop: {} poles, largest modulus {}",
-        figures.closed_loop_poles.len(),
-        describe_modulus(largest)
-    );
-    if let Some(difference) = figures.cost_difference {
-        say!("predicted cost and cost of the assembled loop differ by {difference:.1e}");
-    }
-    result.demanded_rate.iter().for_each(|limit| say!("{limit}"));
-    result.warnings.iter().for_each(|w| say!("warning: {w}"));
-}
-
-/// Prints the comparison of a design with its alternatives.
-pub fn print_comparison(study: &SynthesisStudy) {
-    let (beside, gain_unit) = (&study.comparison, study.synthesised.controlled.gain_unit());
-    print_methods(&beside.methods, gain_unit);
-    if let Some(row) = &beside.lowered {
-        say!();
-        say!(
-            "feedback of order {} lowered to {} by frequency-weighted balancing:",
-            row.order[0],
-            row.order[1]
-        );
-        say!("  the closed loop changes by {} % at most", short_number(100.0 * row.loop_change));
-        for (name, found) in [("before", &row.before), ("after", &row.after)] {
-            say!("  {name:8}{}", figures_line(found, gain_unit));
-        }
-    }
-    print_motions(study);
-    print_total_cost(beside);
-    print_balance(study);
-    if let Some(found) = &beside.spillover {
-        let says = if found.largest_pole < 1.0 { "stable" } else { "NOT STABLE" };
-        let (modes, order, pole) = (found.modes, found.order, found.largest_pole);
-        say!();
-        say!(
-            "on the beam with {modes} modes (order {order}): {says}, largest modulus {}",
-            describe_modulus(pole)
-        );
-    }
-}
-
-/// Prints what the expected motions leave. In a loop of torque or current the tip moves by another quantity, which stands in the report.
-fn print_motions(study: &SynthesisStudy) {
-    let (rows, controlled) = (&study.comparison.motions, study.synthesised.controlled);
-    if rows.is_empty() {
-        return;
-    }
-    say!();
-    say!(
-        "RMS {} under the expected motion, feedback alone -> with feedforward, {}",
-        controlled.short_name(),
-        controlled.milli_unit()
-    );
-    for row in rows {
-        let pair = |[alone, both]: [f64; 2]| {
-            let shown = |value: f64| short_number(1e3 * value);
-            format!("{} -> {}", shown(alone), shown(both))
-        };
-        let tip = if controlled.motion() == controlled {
-            format!("   tip {:>20}", pair(row.tip_rad_s))
-        } else {
-            String::new()
-        };
-        say!("  {:8} hub {:>20}{tip}", row.disturbance, pair(row.hub_rad_s));
-    }
-}
-
-fn print_total_cost(beside: &DesignComparison) {
-    let lines = total_cost_lines(beside.total_cost.as_ref());
-    lines.first().iter().for_each(|_| say!());
-    lines.iter().for_each(|line| say!("{line}"));
-}
-
-fn print_methods(rows: &[MethodRow], gain_unit: &str) {
-    if rows.len() < 2 {
-        return;
-    }
-    say!();
-    say!("methods of the feedback, the same plant and weights, figures of the sampled loop:");
-    for row in rows {
-        let kind = if row.integral { "integral" } else { "no integral" };
-        let norm = row.norm.map_or(String::new(), |norm| format!(", norm {norm:.4}"));
-        say!("  {}, {kind}: order {}{norm}", row.method, row.order);
-        match (&row.figures, &row.why) {
-            (Some(found), _) => say!("    {}", figures_line(found, gain_unit)),
-            (None, Some(why)) => say!("    no controller: {}", describe_design_findings(why)),
-            (None, None) => {}
-        }
-    }
-}
-
-fn figures_line(f: &LoopFigures, gain_unit: &str) -> String {
-    format!(
-        "margins {:.1} dB, {:.1} deg; Ms {:.3}; crossover {:.1} rad/s; overshoot {:.1} %; |S| {:.3}; noise gain {} {gain_unit}",
-        f.gain_margin_db,
-        f.phase_margin_deg,
-        f.max_sensitivity,
-        f.crossover_rad_s,
-        f.overshoot_percent,
-        f.rejection,
-        short_number(f.noise_gain)
-    )
-}
-
-fn print_balance(study: &SynthesisStudy) {
-    let (beside, controlled) = (&study.comparison, study.synthesised.controlled);
-    if beside.balance.is_empty() {
-        return;
-    }
-    say!();
-    say!("over out-of-balance: change of each controller from 0.1 to 20 Hz, lowest .. highest, dB,");
-    say!(
-        "and RMS {} under the expected heave, {}: nominal controllers | gain law | redesign",
-        controlled.name(),
-        controlled.milli_unit()
-    );
-    for row in &beside.balance {
-        let range =
-            |[low, high]: [f64; 2]| format!("{:+.2} .. {:+.2}", drop_small_sign(low), drop_small_sign(high));
-        let change = |db: Option<[f64; 2]>| db.map_or("none".to_owned(), range);
-        let error = |value: Option<f64>| value.map_or("-".to_owned(), |rate| format!("{:.3}", 1e3 * rate));
-        say!("  {} ({:.2} kg m)", row.name, row.out_of_balance_kg_m);
-        say!(
-            "    feedback {}; heave {}; pitch {}",
-            range(row.feedback_db),
-            change(row.heave_db),
-            change(row.pitch_db)
-        );
-        say!(
-            "    error {} | {} | {}",
-            error(row.error_before_rad_s),
-            error(row.error_gain_law_rad_s),
-            error(row.error_after_rad_s)
-        );
-        say!("    {}", describe_conditions(&row.conditions));
-        say!("    {}", describe_law(&row.law));
-    }
-}
-
-/// The search, for another program.
-#[derive(Serialize)]
-struct SearchResult {
-    settled: &'static str,
-    trials: usize,
-    missed: f64,
-    missed_on_full_plant: f64,
-    weights: Vec<String>,
-    curve: Vec<CurvePoint>,
-    verified: Vec<VerifiedPoint>,
-}
-
-/// A point of the trade-off curve.
-#[derive(Serialize)]
-struct CurvePoint {
-    max_sensitivity_limit: f64,
-    max_sensitivity: f64,
-    rejection: f64,
-    noise_gain: f64,
-    missed: f64,
 }
 
 fn report_search(
@@ -317,7 +140,7 @@ fn report_search(
         save_project(loaded, &found.project, path)?;
     }
     let points: Vec<VerifiedPoint> = judged.iter().map(verified_point).collect();
-    let result = search_result(&found, points);
+    let result = SearchText::new(&found, points);
     if let Some(path) = &options.outputs.report {
         let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
         let page = trade_off::trade_off_report(
@@ -329,8 +152,8 @@ fn report_search(
         output::write_report(path, &options.outputs.results, &page)?;
     }
     if !output::write_result(&options.outputs.results, &result)? {
-        print_search(&found, &result, loaded.project.plant.controlled_quantity().gain_unit());
-        print_verified(&result.verified, chosen);
+        let gain_unit = loaded.project.plant.controlled_quantity().gain_unit();
+        output::print_lines(&search_lines(&found, &result, chosen, gain_unit));
         options.save.iter().for_each(|path| say!("project {}", path.display()));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
@@ -346,81 +169,4 @@ fn verified_point(point: &JudgedWeights) -> VerifiedPoint {
         failing: found.failing,
         holds: point.holds(),
     }
-}
-
-fn print_verified(points: &[VerifiedPoint], chosen: Option<usize>) {
-    if points.is_empty() {
-        return say!("no [verify] section: the figures are those of the linear loop alone");
-    }
-    say!("verified on the nonlinear plant, the answer first, then the points by their rejection:");
-    for (k, point) in points.iter().enumerate() {
-        let [holds, fails, _] = point.verdicts;
-        let name = point.max_sensitivity_limit.map_or("answer".to_owned(), |limit| format!("Ms <= {limit}"));
-        let mark = if Some(k) == chosen { "  <- taken" } else { "" };
-        say!("  {name:12} |S| {:.4}: {holds} requirements hold, {fails} fail{mark}", point.rejection);
-        point.failing.iter().for_each(|line| say!("      {line}"));
-    }
-    if chosen.is_none() {
-        say!("NO POINT KEEPS EVERY REQUIREMENT on the nonlinear plant");
-    }
-}
-
-fn search_result(found: &SearchAnswer, verified: Vec<VerifiedPoint>) -> SearchResult {
-    let point = |TradeOffPoint { ms_limit, found }: &TradeOffPoint| CurvePoint {
-        max_sensitivity_limit: *ms_limit,
-        max_sensitivity: found.best.figures.ms,
-        rejection: found.best.figures.rejection,
-        noise_gain: found.best.figures.noise_gain,
-        missed: found.best.missed,
-    };
-    SearchResult {
-        settled: found.found.ended.name(),
-        trials: found.found.trials,
-        missed: found.found.best.missed,
-        missed_on_full_plant: found.missed_on_full_plant,
-        weights: describe_weights(&found.asked),
-        curve: found.curve.iter().map(point).collect(),
-        verified,
-    }
-}
-
-fn print_search(found: &SearchAnswer, result: &SearchResult, gain_unit: &str) {
-    let ended = match found.found.ended {
-        SearchEnding::Settled => "no step improves any more",
-        SearchEnding::OutOfTrials => "as many as [synth.search] allows for one answer",
-        SearchEnding::Stopped => "stopped",
-    };
-    say!("{} designs were tried ({ended})", result.trials);
-    result.weights.iter().take(2).for_each(|line| say!("{line}"));
-    let recovery = found.found.best.specification.feedback.loop_recovery;
-    say!("loop recovery {recovery:.4e} V^2 s");
-    for (name, figures, missed) in [
-        ("on the design plant", &found.found.best.figures, result.missed),
-        ("on the plant before reduction", &found.on_full_plant, result.missed_on_full_plant),
-    ] {
-        let verdict = if missed == 0.0 { "the requirements hold" } else { "REQUIREMENTS ARE MISSED" };
-        say!("{name}: {verdict}");
-        say!("  {}", searched_line(figures, gain_unit));
-    }
-    if !result.curve.is_empty() {
-        say!("trade-off: limit of Ms, Ms, |S| over the band, noise gain {gain_unit}");
-    }
-    for point in &result.curve {
-        let missed = if point.missed == 0.0 { "" } else { "  (requirements are missed)" };
-        let (limit, ms) = (point.max_sensitivity_limit, point.max_sensitivity);
-        say!("  {limit:6.3} {ms:7.3} {:8.4} {:9.3}{missed}", point.rejection, point.noise_gain);
-    }
-}
-
-fn searched_line(f: &Figures, gain_unit: &str) -> String {
-    let found = LoopFigures {
-        gain_margin_db: f.gain_margin_db,
-        phase_margin_deg: f.phase_margin_deg,
-        max_sensitivity: f.ms,
-        crossover_rad_s: f.crossover_rad_s,
-        overshoot_percent: 100.0 * f.overshoot,
-        rejection: f.rejection,
-        noise_gain: f.noise_gain,
-    };
-    figures_line(&found, gain_unit)
 }

@@ -6,10 +6,8 @@ use counterpoise_host::projects::{self, ProjectOnDisk};
 use counterpoise_project::Project;
 use counterpoise_report::ReportOrigin;
 use counterpoise_report::results::front::VerdictSummary;
-use counterpoise_report::wording::figures::describe_figure;
+use counterpoise_report::wording::figures::{describe_figure, format_figure};
 use counterpoise_verify::{Verdict, Verification};
-
-use crate::output;
 
 /// Writes the file with the weights of a project; everything else of it stays as it is.
 pub fn save_project(loaded: &ProjectOnDisk, project: &Project, path: &Path) -> anyhow::Result<()> {
@@ -30,7 +28,7 @@ pub fn verdicts_of(found: &Verification) -> VerdictSummary {
         Verdict::Fails { value, limit, .. } => Some(format!(
             "{}: {} against {}",
             describe_figure(requirement.figure, found.controlled_quantity()),
-            output::format_figure(*value),
+            format_figure(*value),
             limit.value()
         )),
         _ => None,

@@ -15,7 +15,8 @@ use counterpoise_report::adaptation::{describe_action, describe_refusal, trial_s
 use counterpoise_report::results::VerifyText;
 use counterpoise_report::results::verification::VerifiedAxes;
 use counterpoise_report::summary::worse_feedforwards;
-use counterpoise_report::wording::figures::describe_figure;
+use counterpoise_report::terminal::verdicts::verdict_lines;
+use counterpoise_report::wording::figures::{describe_figure, format_figure};
 use counterpoise_report::{
     Report, ReportOrigin, VerificationContext, advice, certificate, difference, error_budget,
     of_verification, robustness, two_axes,
@@ -26,7 +27,6 @@ use counterpoise_verify::signals::RoadClass;
 use counterpoise_verify::structured::Joints;
 use counterpoise_verify::{Road, Triangle};
 
-use super::design::print_verdicts;
 use crate::exit::{CommandResult, verdict_code};
 use crate::options::{ResultOutput, WRITTEN};
 use crate::output::{self, say};
@@ -116,7 +116,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let mut result = VerifyResult::new(found, study.measured_on.clone());
     result.studies.error_budget = study.budget.clone();
     result.studies.certificate = study.certificate.as_ref().map(Into::into);
-    let both = study.two_axes.as_ref().map(TwoAxesResult::new).transpose()?;
+    let both = study.two_axes.as_ref().map(TwoAxesResult::from);
     let mut result = result.with_adaptation(study.adaptation.clone()).with_two_axes(both);
     if !options.histories {
         result.leave_histories_out();
@@ -131,7 +131,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let advised = study.advice.iter().map(Into::into).collect();
     let shown = VerifyOutput { result, robust_to_times_the_ranges, robustness, advice: advised };
     if !output::write_result(&options.results, &shown)? {
-        print_verdicts(found);
+        output::print_lines(&verdict_lines(found));
         let both = study.two_axes.iter().flat_map(two_axes::two_axes_lines);
         both.for_each(|line| say!("two axes: {line}"));
         error_budget::budget_lines(found).iter().for_each(|line| say!("line of sight: {line}"));
@@ -267,7 +267,7 @@ fn print_changes(options: &VerifyOptions, changed: &[FigureChange]) -> Result<()
     let judged = changed.iter().filter(|change| change.holds.is_some() || change.held.is_some());
     let shown: Vec<&FigureChange> = judged.collect();
     for change in &shown {
-        let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), output::format_figure);
+        let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), format_figure);
         say!(
             "  {:15} {}: {} -> {} {} ({})",
             difference::classify_change(change).1,

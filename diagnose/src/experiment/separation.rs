@@ -32,7 +32,7 @@ pub struct Separation {
     pub probability: f64,
 }
 
-/// The recording that a machine would make, over the noise floors, and how that changes with each of its free parameters.
+/// The recording that a machine would make, over the noise floors, and how that changes with each of its fitted parameters.
 pub(super) struct ExpectedSignals {
     pub signals: Vec<f64>,
     pub slopes: Vec<Vec<f64>>,

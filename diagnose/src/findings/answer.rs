@@ -266,7 +266,7 @@ pub struct Answer {
     /// Evidence: everything that was tried.
     pub hypotheses: Vec<Hypothesis>,
     /// Remarks on the recordings themselves.
-    pub qualification: Vec<RecordingRemark>,
+    pub remarks: Vec<RecordingRemark>,
     /// Warnings of the search itself.
     pub warnings: Vec<SearchWarning>,
     /// Free functions that model what no effect of the library explains; `None` if nothing is left over, or no free function

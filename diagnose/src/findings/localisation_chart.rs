@@ -125,7 +125,7 @@ mod tests {
     const SAMPLES: usize = 8000;
     const CONTROL_FLOOR: f64 = 5e-3;
 
-    /// A recording at the reference rig's pace whose control departs from the replay by `torque(k)`, N m at the hub, which the motor
+    /// A recording at the reference rig's pace whose control differs from the replay by `torque(k)`, N m at the hub, which the motor
     /// makes and the hub takes.
     fn departing_map(sensors: RedundantSensors, torque: impl Fn(usize, f64) -> f64) -> Vec<MapCell> {
         let p = reference::rig();

@@ -39,7 +39,7 @@ pub struct VerdictEvidence<'a> {
     /// Balances that the sensors allow.
     pub isolability: Vec<BalanceVisibility>,
     /// Remarks on the recordings themselves.
-    pub qualification: Vec<RecordingRemark>,
+    pub remarks: Vec<RecordingRemark>,
     /// Known sizes of the machine.
     pub sizes: Sizes,
 }
@@ -59,7 +59,7 @@ impl VerdictEvidence<'_> {
             hypotheses: self.hypotheses(),
             isolability: self.isolability,
             map: self.map,
-            qualification: self.qualification,
+            remarks: self.remarks,
             warnings,
             learned: None,
         }
@@ -233,9 +233,9 @@ impl VerdictEvidence<'_> {
                 Some(near) => self.simulator.assess_from(parameters, index, near),
                 None => self.simulator.assess(parameters, index),
             };
-            for misfit in judged.map(|j| j.channels).unwrap_or_default() {
-                samples += misfit.residual.len();
-                independent += misfit.residual.len() as f64 / correlation_time(&misfit.residual);
+            for channel in judged.map(|j| j.channels).unwrap_or_default() {
+                samples += channel.residual.len();
+                independent += channel.residual.len() as f64 / correlation_time(&channel.residual);
             }
         }
         (samples, samples as f64 / independent.max(1.0))

@@ -329,7 +329,7 @@ impl Problem<'_> {
             learned_element(e).is_some_and(|element| element.variable == RegimeVariable::Angle)
         };
         let measured = self.base.sensors.measured.is_position()
-            || near.channels.iter().any(|misfit| misfit.channel == Channel::HubPosition);
+            || near.channels.iter().any(|channel| channel.channel == Channel::HubPosition);
         !measured && self.effects.iter().any(|e| over_angle(e))
     }
 
@@ -514,9 +514,9 @@ fn runs_alike(a: &EffectFit, b: &EffectFit) -> bool {
 
 /// Returns the residuals of all channels with their weights; `None` if one is not finite.
 pub(super) fn weight_residuals(channels: &[ChannelResidual], near: &Assessment) -> Option<Vec<f64>> {
-    let weighted = channels.iter().enumerate().flat_map(|(c, misfit)| {
+    let weighted = channels.iter().enumerate().flat_map(|(c, channel)| {
         let weight = near.weight(c);
-        misfit.residual.iter().map(move |r| weight * r)
+        channel.residual.iter().map(move |r| weight * r)
     });
     let out: Vec<f64> = weighted.collect();
     out.iter().all(|r| r.is_finite()).then_some(out)

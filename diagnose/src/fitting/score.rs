@@ -71,15 +71,15 @@ pub fn score_parts(judged: &[Assessment], parts: &[RecordingPart]) -> Option<Sco
     let mut cells = Vec::new();
     for part in parts {
         let here = &judged[part.recording];
-        for (c, misfit) in here.channels.iter().enumerate() {
-            let length = misfit.residual.len() as f64;
-            let slice = &misfit.residual[(length * part.from) as usize..(length * part.to) as usize];
+        for (c, channel) in here.channels.iter().enumerate() {
+            let length = channel.residual.len() as f64;
+            let slice = &channel.residual[(length * part.from) as usize..(length * part.to) as usize];
             cells.push(ScoreCell {
                 recording: part.recording,
-                channel: misfit.channel,
+                channel: channel.channel,
                 excess: rms(slice) * here.weight(c),
-                rms_error: rms(slice) * misfit.floor,
-                floor: misfit.floor,
+                rms_error: rms(slice) * channel.floor,
+                floor: channel.floor,
                 worth: slice.len() as f64 / correlation_time(slice),
                 samples: slice.len() as f64,
             });

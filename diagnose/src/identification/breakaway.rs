@@ -4,7 +4,7 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 
 use super::outcome::Estimate;
-use super::problem::Problem;
+use super::problem::IdentificationProblem;
 use super::regression::{RegressionFit, student_95};
 use super::rows::Rows;
 use crate::Error;
@@ -16,11 +16,11 @@ use crate::tolerance::identification::{BREAKAWAY_DEVIATION_S, LEAST_REVERSALS};
 pub fn identify_breakaway(
     p: &Parameters,
     states: &[&[Recording]],
-    problem: &Problem,
+    problem: &IdentificationProblem,
     fit: &RegressionFit,
     before: f64,
 ) -> Result<Option<Estimate>, Error> {
-    let short = Problem::with_low_pass(p, states, &problem.knots_v, BREAKAWAY_DEVIATION_S)?;
+    let short = IdentificationProblem::with_low_pass(p, states, &problem.knots_v, BREAKAWAY_DEVIATION_S)?;
     let excesses: Vec<f64> = short
         .parts
         .iter()

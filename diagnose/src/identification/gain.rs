@@ -4,24 +4,24 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 
 use super::outcome::{GainCurveObstacle, GainPoint, IdentifiedAmplifier};
-use super::problem::Problem;
+use super::problem::IdentificationProblem;
 use super::regression::RegressionFit;
 use crate::Error;
 use crate::tolerance::identification::*;
 
-/// The amplifier, and the problem with its curve where the curve departs from the project's.
+/// The amplifier, and the problem with its curve if the curve differs from the project's.
 pub struct GainCurve {
     /// Result of the recordings for it.
     pub amplifier: IdentifiedAmplifier,
     /// The problem and its solution with the curve.
-    pub curved: Option<(Problem, RegressionFit)>,
+    pub curved: Option<(IdentificationProblem, RegressionFit)>,
 }
 
 /// Identifies the curve.
 pub fn identify_amplifier(
     p: &Parameters,
     states: &[&[Recording]],
-    plain: &Problem,
+    plain: &IdentificationProblem,
     linear: &RegressionFit,
 ) -> Result<GainCurve, Error> {
     let unseen =
@@ -30,7 +30,7 @@ pub fn identify_amplifier(
     if knots.len() < LEAST_POINTS + 2 {
         return unseen(GainCurveObstacle::ControlStaysLarge);
     }
-    let problem = Problem::new(p, states, &knots)?.with_held_viscous(plain.held_viscous);
+    let problem = IdentificationProblem::new(p, states, &knots)?.with_held_viscous(plain.held_viscous);
     let Some(fit) = problem.fit() else {
         return unseen(GainCurveObstacle::ConfusedWithFriction);
     };
@@ -38,11 +38,11 @@ pub fn identify_amplifier(
     if points.len() < LEAST_POINTS {
         return unseen(GainCurveObstacle::TooUncertain);
     }
-    let departs = points.iter().any(|q| {
+    let differs = points.iter().any(|q| {
         let apart = (q.current_a - q.linear_a).abs();
         apart > CURVE_DEPARTURE * q.linear_a && apart > q.current_a - q.ci95_a[0]
     });
-    if departs && fit.residual_rms.powi(2) < CURVE_WORTH * linear.residual_rms.powi(2) {
+    if differs && fit.residual_rms.powi(2) < CURVE_WORTH * linear.residual_rms.powi(2) {
         return Ok(GainCurve {
             amplifier: IdentifiedAmplifier::Curve { points },
             curved: Some((problem, fit)),
@@ -52,7 +52,7 @@ pub fn identify_amplifier(
 }
 
 /// Returns the knots that the control was near for long enough, with 0 and the start of the linear range.
-fn knots(p: &Parameters, plain: &Problem) -> Vec<f64> {
+fn knots(p: &Parameters, plain: &IdentificationProblem) -> Vec<f64> {
     let top = LINEAR_FROM_SHARE * p.amplifier.input_limit_v;
     let spacing = top / KNOTS as f64;
     let time = |knot: f64| -> f64 {
@@ -71,7 +71,12 @@ fn knots(p: &Parameters, plain: &Problem) -> Vec<f64> {
 }
 
 /// Returns the points that are known well enough to be reported.
-fn points(p: &Parameters, problem: &Problem, fit: &RegressionFit, knots: &[f64]) -> Vec<GainPoint> {
+fn points(
+    p: &Parameters,
+    problem: &IdentificationProblem,
+    fit: &RegressionFit,
+    knots: &[f64],
+) -> Vec<GainPoint> {
     let gain = p.amplifier.stall_gain_a_v(&p.motor);
     let point = |k: usize| {
         let (input_v, unknown) = (knots[k + 1], problem.layout.knot(k));
@@ -88,7 +93,7 @@ fn points(p: &Parameters, problem: &Problem, fit: &RegressionFit, knots: &[f64])
 }
 
 /// Returns the RMS of the balance's residual, as current, over a range of the control's size.
-fn scatter(p: &Parameters, problem: &Problem, value: &[f64], range_v: [f64; 2]) -> f64 {
+fn scatter(p: &Parameters, problem: &IdentificationProblem, value: &[f64], range_v: [f64; 2]) -> f64 {
     let (mut power, mut count) = (0.0, 0.0_f64);
     for (index, part) in problem.parts.iter().enumerate() {
         let residual = problem.residual(index, value);

@@ -38,7 +38,7 @@ use counterpoise_recordings::{Channel, Recording};
 use crate::Error;
 use crate::machine::SteadyDrive;
 use crate::tolerance::identification::*;
-use problem::{Layout, Problem};
+use problem::{IdentificationProblem, Layout};
 
 /// Identifies a mechanism from closed-loop recordings, one group for each state of balance (usually one; a second with
 /// other balance masses fitted makes the amplifier's curve sure).
@@ -61,7 +61,7 @@ pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identificatio
 
 /// One round, with the beam and the presliding distances of a mechanism.
 fn round(p: &Parameters, states: &[&[Recording]], before: &PriorValues) -> Result<Identification, Error> {
-    let mut plain = Problem::new(p, states, &[])?;
+    let mut plain = IdentificationProblem::new(p, states, &[])?;
     let sliding_s = plain.sliding_s();
     if sliding_s < LEAST_SLIDING_S {
         return Err(Error::TooLittleSliding { sliding_s, needed_s: LEAST_SLIDING_S });
@@ -133,8 +133,8 @@ fn torque_per_volt(p: &Parameters) -> f64 {
     p.gearbox.ratio * p.motor.torque_constant_nm_a * p.amplifier.stall_gain_a_v(&p.motor)
 }
 
-fn lobes(p: &Parameters, problem: &Problem, value: &[f64]) -> Lobes {
-    let Problem { layout, held_viscous, .. } = *problem;
+fn lobes(p: &Parameters, problem: &IdentificationProblem, value: &[f64]) -> Lobes {
+    let IdentificationProblem { layout, held_viscous, .. } = *problem;
     let (gain, ratio) = (torque_per_volt(p), p.gearbox.ratio);
     let drive = SteadyDrive::of(p);
     let back_emf = ratio * drive.back_emf / drive.gain;
@@ -148,7 +148,7 @@ fn lobes(p: &Parameters, problem: &Problem, value: &[f64]) -> Lobes {
     }
 }
 
-fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<FrictionPicture> {
+fn loops(p: &Parameters, problem: &IdentificationProblem, value: &[f64]) -> Vec<FrictionPicture> {
     let gain = torque_per_volt(p);
     let one = |(index, part): (usize, &problem::RecordingRows)| {
         let rows = &part.rows;

@@ -131,7 +131,7 @@ impl SensorErrors {
 /// Result of the identification of the amplifier.
 #[derive(Debug, Clone, PartialEq)]
 pub enum IdentifiedAmplifier {
-    /// The gain curve departs from the project's; the mechanism was identified together with it.
+    /// The gain curve differs from the project's; the mechanism was identified together with it.
     Curve {
         /// The curve, by rising input.
         points: Vec<GainPoint>,

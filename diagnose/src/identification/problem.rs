@@ -72,18 +72,18 @@ pub struct RecordingRows {
 }
 
 /// All rows.
-pub struct Problem {
+pub struct IdentificationProblem {
     /// Places of the unknowns.
     pub layout: Layout,
     /// The recordings.
     pub parts: Vec<RecordingRows>,
-    /// Knots of the amplifier's map with both ends, V; empty where its change is no unknown.
+    /// Knots of the amplifier's map with both ends, V; empty if its change is no unknown.
     pub knots_v: Vec<f64>,
     /// The viscous friction if it is no unknown, N m s/rad at the output.
     pub held_viscous: Option<f64>,
 }
 
-impl Problem {
+impl IdentificationProblem {
     /// Returns the problem with the usual low-pass; `knots_v` holds the ends as well, or nothing.
     pub fn new(p: &Parameters, states: &[&[Recording]], knots_v: &[f64]) -> Result<Self, Error> {
         Self::with_low_pass(p, states, knots_v, LOW_PASS_S)

@@ -407,7 +407,7 @@ fn integral(rate: &[f64], period_s: f64) -> Vec<f64> {
     rate.iter().map(step).collect()
 }
 
-/// Distance over which dry friction builds up after a reversal, at the output, rad: 0 where the law has none.
+/// Distance over which dry friction builds up after a reversal, at the output, rad: 0 if the law has none.
 fn presliding_rad(p: &Parameters) -> f64 {
     let joints = [
         p.pivot_friction.law.presliding_deflection_rad(),

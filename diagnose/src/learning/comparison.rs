@@ -19,7 +19,7 @@ use crate::tolerance::{AMBIGUOUS, SEARCH_ITERATIONS};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
     /// Log-likelihood by which the free function predicts held-out data better than the effects of the library.
-    pub ahead_nats: f64,
+    pub function_gain_nats: f64,
     /// Effective number of parameters of the free function.
     pub function_parameters: f64,
     /// Parameters of the library's effects, and one for the choice of each effect.
@@ -30,13 +30,13 @@ impl Comparison {
     /// Returns whether the free function takes the place of the effects: it predicts clearly better, or as well with fewer parameters.
     pub fn prefers_function(&self) -> bool {
         let fewer = self.function_parameters < self.library_parameters;
-        self.ahead_nats > AMBIGUOUS || (self.ahead_nats > -AMBIGUOUS && fewer)
+        self.function_gain_nats > AMBIGUOUS || (self.function_gain_nats > -AMBIGUOUS && fewer)
     }
 
     /// Returns whether the recordings cannot tell both apart. A function that needs many more parameters only follows the effects' shape.
     pub fn is_even(&self) -> bool {
         let comparable = self.function_parameters < EVEN_PARAMETERS * self.library_parameters;
-        !self.prefers_function() && self.ahead_nats > -AMBIGUOUS && comparable
+        !self.prefers_function() && self.function_gain_nats > -AMBIGUOUS && comparable
     }
 }
 
@@ -103,7 +103,7 @@ impl LearningTask<'_> {
             (0..self.before.len()).map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
         let library = score_parts(&judged, &candidate.held_out_parts)?;
         Some(Comparison {
-            ahead_nats: -candidate.held_out.loss_against(&library),
+            function_gain_nats: -candidate.held_out.loss_against(&library),
             function_parameters: self.effective_parameters(&function.learned),
             library_parameters: (named.fit.values.len() + named.fit.effects.len()) as f64,
         })

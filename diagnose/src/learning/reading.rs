@@ -103,7 +103,7 @@ pub(crate) struct FittedForm {
     /// Coefficients of its terms.
     pub linear: Vec<f64>,
     deviation: Vec<f64>,
-    misfit: f64,
+    squares: f64,
 }
 
 /// A free function with what its curve says.
@@ -128,11 +128,11 @@ pub fn read_curve(element: &LearnedElement) -> Option<CurveReading> {
     let curve = Curve::of(element)?;
     let count = curve.x.len() as f64;
     let ranked = curve.ranked_forms(element.variable);
-    let total = ranked.iter().find(|fit| fit.form == CurveForm::Constant)?.misfit;
+    let total = ranked.iter().find(|fit| fit.form == CurveForm::Constant)?.squares;
     let best = ranked.into_iter().next()?;
-    let explained = if total > 0.0 { 1.0 - best.misfit / total } else { 1.0 };
+    let explained = if total > 0.0 { 1.0 - best.squares / total } else { 1.0 };
     let flat = best.form == CurveForm::Constant;
-    let within_noise = best.misfit < count;
+    let within_noise = best.squares < count;
     // a level that is not told from the one that changes nothing says nothing
     let off = (best.linear[0] - element.quantity.neutral()).abs() > NORMAL_95 * best.deviation[0];
     (if flat { within_noise && off } else { explained > READ_SHARE || within_noise }).then(|| CurveReading {
@@ -227,7 +227,7 @@ impl Curve {
         // Schwarz 1978, of a curve whose own deviation is one: what is below the noise counts as noise
         let price = |fit: &FittedForm| {
             let size = fit.inner.len() + fit.linear.len();
-            count * (1.0 + fit.misfit / count).ln() + size as f64 * count.ln()
+            count * (1.0 + fit.squares / count).ln() + size as f64 * count.ln()
         };
         let forms = forms_over(variable).iter().chain([&CurveForm::Constant]);
         let mut ranked: Vec<FittedForm> = forms.filter_map(|form| self.fit_best_form(*form)).collect();
@@ -243,7 +243,7 @@ impl Curve {
             for inner in points_of(&grids) {
                 let found = self.fit_form(form, inner);
                 best = match (best, found) {
-                    (Some(old), Some(new)) if old.misfit <= new.misfit => Some(old),
+                    (Some(old), Some(new)) if old.squares <= new.squares => Some(old),
                     (old, new) => new.or(old),
                 };
             }
@@ -292,23 +292,23 @@ impl Curve {
         let right: Vec<f64> = (0..count).map(|i| sum(&|k| rows[k][i] * self.y[k])).collect();
         let linear = solve(&normal, &Mat::col(&right)).ok().filter(Mat::is_finite)?.as_slice().to_vec();
         let missed = |k: usize| self.y[k] - rows[k].iter().zip(&linear).map(|(r, c)| r * c).sum::<f64>();
-        let misfit = sum(&|k| missed(k).powi(2));
+        let squares = sum(&|k| missed(k).powi(2));
         let free = self.x.len().saturating_sub(count + inner.len()).max(1) as f64;
-        let scale = (misfit / free).max(1.0).sqrt();
+        let scale = (squares / free).max(1.0).sqrt();
         let covariance = inverse(&normal).ok()?;
         let deviation = (0..count).map(|i| scale * covariance[(i, i)].max(0.0).sqrt()).collect();
-        Some(FittedForm { form, inner, linear, deviation, misfit })
+        Some(FittedForm { form, inner, linear, deviation, squares })
     }
 
-    /// Returns half the width of the 95 % interval of an inner parameter: where the misfit has grown by what noise allows.
+    /// Returns half the width of the 95 % interval of an inner parameter: where the sum of squares has grown by what noise allows.
     fn inner_half_width(&self, best: &FittedForm, place: usize) -> f64 {
         let range = self.inner_ranges(best.form)[place];
         let free = self.x.len().saturating_sub(best.linear.len() + best.inner.len()).max(1) as f64;
-        let allowed = best.misfit + NORMAL_95.powi(2) * (best.misfit / free).max(1.0);
+        let allowed = best.squares + NORMAL_95.powi(2) * (best.squares / free).max(1.0);
         let worse = |by: f64| {
             let mut inner = best.inner.clone();
             inner[place] += by;
-            self.fit_form(best.form, inner).is_none_or(|fit| fit.misfit > allowed)
+            self.fit_form(best.form, inner).is_none_or(|fit| fit.squares > allowed)
         };
         let mut half = 1e-4 * (range[1] - range[0]);
         while half < range[1] - range[0] && !(worse(half) || best.inner[place] > half && worse(-half)) {

@@ -1,4 +1,4 @@
-//! The localisation: component by regime, what an error there would explain of how the recordings depart from the replay.
+//! The localisation: component by regime, what an error there would explain of the residuals of the replay.
 //!
 //! At every component an error is tried that is a free function of one regime variable (`error_hypotheses`), as it would show in
 //! all balances at once (`ports`). What it gains on held-out stretches of the recordings is the value of the cell. No effect is

@@ -1,4 +1,4 @@
-//! Localisation: which component departs from its model, and in which regime.
+//! Localisation: which component is in error, and in which regime.
 //!
 //! Modules in reading order: [`torque_balances`], balances of motion and torque formed from the measured signals; `ports`, where an error
 //! may act; `error_hypotheses`, what may act there; `free_functions`, functions of one variable; `trend`, what such a function looks

@@ -1,8 +1,8 @@
-//! The regression of how recordings depart from their replay: the balances of the one less the same balances of the other,
+//! The regression of the residuals of replays: the balances of the recordings less the same balances of their replays,
 //! whitened.
 //!
 //! The simplifications of the balances are in both, so that they cancel. What an error at a port would do to the balances is a column of the
-//! regression; how much of the departure the columns explain is measured on held-out stretches.
+//! regression; how much of the residual the columns explain is measured on held-out stretches.
 
 use crate::tolerance::identification::NORMAL_95;
 use crate::tolerance::localisation::{
@@ -52,7 +52,7 @@ struct Segment {
     rows: std::ops::Range<usize>,
 }
 
-/// The departures of recordings from their replay.
+/// The residuals of the replays of recordings.
 pub(crate) struct ResidualRegression<'a> {
     /// The recordings' signals.
     pub signals: Vec<BalanceSignals<'a>>,
@@ -364,16 +364,16 @@ fn balance_departures(
 fn replayed_signals(recording: &AssessedReplay) -> MeasuredSignals {
     let AssessedReplay { measured, assessment: judged } = recording;
     let mut out = measured.clone();
-    for misfit in &judged.channels {
-        let column = match misfit.channel {
+    for channel in &judged.channels {
+        let column = match channel.channel {
             Channel::Control if judged.source == ControlSource::ClosedLoop => MeasuredColumn::Control,
             Channel::HubRate => MeasuredColumn::HubRate,
             Channel::MotorRate => MeasuredColumn::MotorRate,
             Channel::HubPosition => MeasuredColumn::HubPosition,
             _ => continue,
         };
-        let pairs = out.recorded_mut(column).iter_mut().zip(&misfit.residual);
-        pairs.for_each(|(value, residual)| *value -= residual * misfit.floor);
+        let pairs = out.recorded_mut(column).iter_mut().zip(&channel.residual);
+        pairs.for_each(|(value, residual)| *value -= residual * channel.floor);
     }
     out
 }

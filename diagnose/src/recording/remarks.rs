@@ -15,7 +15,7 @@ pub enum HeaveTreatment {
 
 /// Comparison state of a channel on which something was remarked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Comparison {
+pub enum ComparisonState {
     /// The channel is compared.
     Compared,
     /// The channel is not compared.
@@ -55,7 +55,7 @@ pub enum RecordingRemark {
         /// The anomaly.
         remark: SanityRemark,
         /// The use of the channel: still compared or left out.
-        comparison: Comparison,
+        comparison: ComparisonState,
     },
     /// Only the first part of a recording is used.
     Shortened {

@@ -113,9 +113,9 @@ impl Searcher<'_> {
 
 /// Returns the residuals of each channel with the weights of a fit.
 fn weight_residuals(channels: Vec<ChannelResidual>, near: &Assessment) -> Vec<Vec<f64>> {
-    let one = |(c, misfit): (usize, ChannelResidual)| {
+    let one = |(c, channel): (usize, ChannelResidual)| {
         let weight = near.weight(c);
-        misfit.residual.into_iter().map(|r| weight * r).collect()
+        channel.residual.into_iter().map(|r| weight * r).collect()
     };
     channels.into_iter().enumerate().map(one).collect()
 }

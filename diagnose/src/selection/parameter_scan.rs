@@ -30,7 +30,7 @@ pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) 
     let cost = |value: f64| {
         let channels =
             scene.simulator.residuals(&effect.apply_to(scene.base, &[value]), index, Span::Head, &near);
-        channels.map_or(f64::INFINITY, |channels| misfit(&channels))
+        channels.map_or(f64::INFINITY, |channels| log_excess(&channels))
     };
     let (mut low, mut high) = (range[0], range[1]);
     let mut best = low;
@@ -54,7 +54,7 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
     let index = scene.simulator.most_active_recording();
     let played = |parameters: &Parameters, judged: &Assessment| {
         let near = Assessment { source: ControlSource::Playback, ..judged.clone() };
-        scene.simulator.residuals(parameters, index, Span::Head, &near).map(|channels| misfit(&channels))
+        scene.simulator.residuals(parameters, index, Span::Head, &near).map(|channels| log_excess(&channels))
     };
     let here = played(scene.base, &scene.judged[index])?;
     let cost = |value: f64| {
@@ -75,7 +75,7 @@ pub(crate) fn scan_current_limit(
 ) -> Option<EffectSignature> {
     let effect = effects.iter().copied().find(|effect| effect.effect == EffectName::CurrentLimit)?;
     let most = stall_current_a(scene.base).filter(|_| !scene.sizes.typical && !is_close(scene.judged))?;
-    let far = |judged: &Assessment| misfit(&judged.channels);
+    let far = |judged: &Assessment| log_excess(&judged.channels);
     let index =
         (0..scene.judged.len()).max_by(|&a, &b| far(&scene.judged[a]).total_cmp(&far(&scene.judged[b])))?;
     let cost = |value: f64| {
@@ -89,7 +89,7 @@ pub(crate) fn scan_current_limit(
 }
 
 /// Returns the sum of the logarithms of the channels' residuals over their noise floors, of which those below count as at it.
-fn misfit(channels: &[ChannelResidual]) -> f64 {
+fn log_excess(channels: &[ChannelResidual]) -> f64 {
     channels.iter().map(|channel| channel.relative_rms().max(1.0).ln()).sum()
 }
 

@@ -34,7 +34,7 @@ pub const CURVE_DOUBT: f64 = 0.15;
 pub const LEAST_POINTS: usize = 4;
 /// Share of the residual's power that the curve must take away to be there at all.
 pub const CURVE_WORTH: f64 = 0.5;
-/// Departure of a current from the linear one that counts, relative to it.
+/// Deviation of a current from the linear one that counts, relative to it.
 pub const CURVE_DEPARTURE: f64 = 0.03;
 /// Number of reversals below which no breakaway is reported.
 pub const LEAST_REVERSALS: usize = 3;

@@ -18,7 +18,7 @@ use crate::{Error, ExportSource, File, Provenance, Ranges, check_name, reading_f
 /// of the control.
 ///
 /// # Errors
-/// [`Error::Name`], and [`Error::OtherController`] where the plan was made for another controller than the source.
+/// [`Error::Name`], and [`Error::OtherController`] if the plan was made for another controller than the source.
 pub fn fixed_c99<'a>(
     source: impl Into<ExportSource<'a>>,
     fixed: &FixedPointController,

@@ -46,7 +46,7 @@ pub enum PlantUnitError {
 /// models, solved by another method: Dormand and Prince's pair with the instants of switching found.
 ///
 /// # Errors
-/// [`PlantUnitError::Memory`] where a delay or a number of bristles is larger than the unit's memory, [`PlantUnitError::Export`]
+/// [`PlantUnitError::Memory`] if a delay or a number of bristles is larger than the unit's memory, [`PlantUnitError::Export`]
 /// for a bad name.
 pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>, PlantUnitError> {
     let PlantUnit { plant, name } = asked;

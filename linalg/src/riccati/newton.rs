@@ -99,7 +99,7 @@ enum StepEnd {
 /// Refines `X`.
 ///
 /// # Errors
-/// [`Reason::NoGraph`] where the closed loop has no Schur form or a step cannot be computed, [`Reason::Inaccurate`] where the start is too
+/// [`Reason::NoGraph`] if the closed loop has no Schur form or a step cannot be computed, [`Reason::Inaccurate`] if the start is too
 /// far from a solution.
 pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<RefinedSolution, Reason> {
     let mut path = Path::from(equation, X).ok_or(Reason::NoGraph)?;

@@ -138,7 +138,7 @@ impl Schur {
     /// the eigenvalue with positive imaginary part.
     ///
     /// # Errors
-    /// [`Error::SwapRejected`] where two eigenvalues are too close to change places; the form stays valid, with the
+    /// [`Error::SwapRejected`] if two eigenvalues are too close to change places; the form stays valid, with the
     /// order reached so far.
     pub fn reorder(&mut self, wanted: impl Fn(C64) -> bool) -> Result<usize, Error> {
         let mut done = 0;

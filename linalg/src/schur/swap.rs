@@ -11,7 +11,7 @@ use crate::tolerance::SWAP;
 /// Exchanges the block of size `first` at row `k` with the block of size `second` that follows it.
 ///
 /// # Errors
-/// [`Error::SwapRejected`] where the blocks' eigenvalues are so close that the exchange would spoil the form; nothing
+/// [`Error::SwapRejected`] if the blocks' eigenvalues are so close that the exchange would spoil the form; nothing
 /// is changed then.
 pub(super) fn swap(T: &mut Mat, U: &mut Mat, k: usize, first: usize, second: usize) -> Result<(), Error> {
     if first == 1 && second == 1 {

@@ -29,7 +29,7 @@ pub trait Real:
     fn exp(self) -> Self;
     /// Returns the hyperbolic tangent.
     fn tanh(self) -> Self;
-    /// Returns exp(-x^2), and 0 where it no longer changes a sum: libraries are slow where an exponential underflows.
+    /// Returns exp(-x^2), and 0 if it no longer changes a sum: libraries are slow where an exponential underflows.
     fn gaussian(self) -> Self;
     /// Returns the power with an exponent.
     fn powf(self, exponent: f64) -> Self;

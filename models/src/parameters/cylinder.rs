@@ -121,7 +121,7 @@ impl Cylinder {
         share / share.abs().max(LAMINAR_SHARE).sqrt()
     }
 
-    /// Returns the opening that passes a flow against a load pressure; infinite where the supply does not reach.
+    /// Returns the opening that passes a flow against a load pressure; infinite if the supply does not reach.
     pub fn opening_l_s(&self, flow_l_s: f64, pressure_mpa: f64) -> f64 {
         if flow_l_s == 0.0 {
             return 0.0;

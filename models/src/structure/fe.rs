@@ -1,7 +1,7 @@
 //! The finite-element model of a structure that turns about a pivot.
 
 use super::element::{Element, ElementShape, Integration, Theory, element_matrices};
-use super::mesh::Mesh;
+use super::mesh::ElementMesh;
 use super::profile::Profile;
 use crate::Error;
 use crate::parameters::{Beam, PointMass};
@@ -61,7 +61,7 @@ pub struct NodeRows {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeOptions {
     /// Places of the nodes.
-    pub mesh: Mesh,
+    pub mesh: ElementMesh,
     /// Shear and rotary inertia.
     pub theory: Theory,
     /// Source of the elements' cross sections.
@@ -72,7 +72,11 @@ impl Default for FeOptions {
     /// 24 Bernoulli-Euler elements by quadrature with a node at the pivot: on a beam like the reference rig's the
     /// tenth mode is within 0.1 %.
     fn default() -> Self {
-        Self { mesh: Mesh::Pivoted(24), theory: Theory::default(), integration: Integration::default() }
+        Self {
+            mesh: ElementMesh::Pivoted(24),
+            theory: Theory::default(),
+            integration: Integration::default(),
+        }
     }
 }
 

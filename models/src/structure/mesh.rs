@@ -6,7 +6,7 @@ use crate::tolerance::{AT_PIVOT, MOST_ELEMENTS};
 
 /// Division of a beam into elements.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Mesh {
+pub enum ElementMesh {
     /// This many elements of equal length, wherever sections and pivot lie.
     Equal(usize),
     /// A node at every end of a section; this many elements, or of equal length if there are fewer than sections.
@@ -17,7 +17,7 @@ pub enum Mesh {
     Nodes(Vec<f64>),
 }
 
-impl Mesh {
+impl ElementMesh {
     /// Returns the nodes, m, rising.
     ///
     /// # Errors

@@ -38,7 +38,7 @@ pub use configuration::{ConfiguredStructure, with_derived_lumped};
 pub use element::{Integration, Theory};
 pub use fe::{AttachedMasses, FeModel, FeOptions, NodeRows, Truncation};
 pub use large::{Condensation, Shapes};
-pub use mesh::Mesh;
+pub use mesh::ElementMesh;
 pub use modes::{Direction, Modes, Support, undamped_modes};
 pub use profile::Profile;
 pub use reduction::{

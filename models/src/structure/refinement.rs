@@ -2,7 +2,7 @@
 
 use super::element::{Integration, Theory};
 use super::fe::{AttachedMasses, FeModel, FeOptions};
-use super::mesh::Mesh;
+use super::mesh::ElementMesh;
 use super::modes::{Support, undamped_modes};
 use crate::Error;
 use crate::parameters::Beam;
@@ -66,7 +66,8 @@ pub fn compare_refinements(beam: &Beam, columns: &[RefinementMesh]) -> Result<Re
 }
 
 fn frequencies(beam: &Beam, integration: Integration, elements: usize) -> Result<Vec<f64>, Error> {
-    let options = FeOptions { mesh: Mesh::Sections(elements), theory: Theory::BernoulliEuler, integration };
+    let options =
+        FeOptions { mesh: ElementMesh::Sections(elements), theory: Theory::BernoulliEuler, integration };
     let model = FeModel::beam(beam, &AttachedMasses::default(), &options)?;
     Ok(undamped_modes(&model, Support::Free)?.flexible_rad_s().to_vec())
 }

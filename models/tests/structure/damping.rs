@@ -4,11 +4,11 @@ use counterpoise_models::structure::damping::{
     modal_damping, modal_with_stiffness, rayleigh_coefficients, rayleigh_damping, state_matrix,
 };
 use counterpoise_models::structure::{
-    AttachedMasses, FeModel, Integration, Mesh, Modes, Support, undamped_modes,
+    AttachedMasses, ElementMesh, FeModel, Integration, Modes, Support, undamped_modes,
 };
 
 fn model() -> (FeModel, Modes) {
-    let options = options(Mesh::Equal(4), Integration::Quadrature);
+    let options = options(ElementMesh::Equal(4), Integration::Quadrature);
     let model = FeModel::beam(&uniform_beam(), &AttachedMasses::default(), &options).unwrap();
     let modes = undamped_modes(&model, Support::Clamped).unwrap();
     (model, modes)

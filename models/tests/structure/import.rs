@@ -6,7 +6,7 @@ use counterpoise_models::structure::import::{
     read_labels, read_op4, read_rows, read_triplets,
 };
 use counterpoise_models::structure::{
-    AttachedMasses, FeModel, Integration, Mesh, Support, reduce_to_lumped, undamped_modes,
+    AttachedMasses, ElementMesh, FeModel, Integration, Support, reduce_to_lumped, undamped_modes,
 };
 use std::fmt::Write;
 
@@ -15,8 +15,12 @@ const ELEMENTS: usize = 6;
 fn model() -> FeModel {
     let mut beam = uniform_beam();
     beam.pivot_m = 0.5;
-    FeModel::beam(&beam, &AttachedMasses::default(), &options(Mesh::Equal(ELEMENTS), Integration::Quadrature))
-        .unwrap()
+    FeModel::beam(
+        &beam,
+        &AttachedMasses::default(),
+        &options(ElementMesh::Equal(ELEMENTS), Integration::Quadrature),
+    )
+    .unwrap()
 }
 
 /// Rows in the reverse order of the nodes, rotations nose-down.

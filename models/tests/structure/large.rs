@@ -1,8 +1,8 @@
 use super::{assert_all, assert_close, options, uniform_beam};
 use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::structure::{
-    AttachedMasses, Condensation, Direction, FeModel, Integration, Mesh, NodeRows, Shapes, SparseStructure,
-    Support, pinned_modes, undamped_modes,
+    AttachedMasses, Condensation, Direction, ElementMesh, FeModel, Integration, NodeRows, Shapes,
+    SparseStructure, Support, pinned_modes, undamped_modes,
 };
 use counterpoise_models::{Error, PointMass};
 use std::ops::ControlFlow;
@@ -14,7 +14,8 @@ fn structures(elements: usize) -> (FeModel, SparseStructure) {
     let mass = PointMass { name: "sight".to_owned(), position_m: 1.0, mass_kg: 3.0, inertia_kg_m2: 0.02 };
     let fitted = AttachedMasses { masses: vec![mass], hub_inertia_kg_m2: 0.5 };
     let mut fe =
-        FeModel::beam(&beam, &fitted, &options(Mesh::Equal(elements), Integration::Quadrature)).unwrap();
+        FeModel::beam(&beam, &fitted, &options(ElementMesh::Equal(elements), Integration::Quadrature))
+            .unwrap();
     fe.C = Some(&fe.K.scale(1e-5) + &fe.M.scale(0.3));
     let node = |k: usize| NodeRows { deflection: 2 * k, rotation: 2 * k + 1 };
     let sparse = SparseStructure {

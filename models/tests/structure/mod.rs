@@ -13,7 +13,7 @@ mod timoshenko;
 mod uniform;
 
 use counterpoise_models::structure::{
-    AttachedMasses, FeModel, FeOptions, Integration, Mesh, Support, Theory, undamped_modes,
+    AttachedMasses, ElementMesh, FeModel, FeOptions, Integration, Support, Theory, undamped_modes,
 };
 use counterpoise_models::{Beam, BeamSection, PointMass, SectionShape, StructuralDamping};
 
@@ -45,7 +45,7 @@ pub(crate) fn cone(tip: f64) -> (Beam, f64) {
     (unit_beam(shape), 2.0)
 }
 
-pub(crate) fn options(mesh: Mesh, integration: Integration) -> FeOptions {
+pub(crate) fn options(mesh: ElementMesh, integration: Integration) -> FeOptions {
     FeOptions { mesh, theory: Theory::BernoulliEuler, integration }
 }
 

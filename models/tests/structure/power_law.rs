@@ -3,7 +3,7 @@
 use super::{assert_close, options, unit_beam};
 use counterpoise_models::structure::element::ElementShape;
 use counterpoise_models::structure::power_law::{PowerLaw, element_mass, element_stiffness};
-use counterpoise_models::structure::{AttachedMasses, FeModel, Integration, Mesh};
+use counterpoise_models::structure::{AttachedMasses, ElementMesh, FeModel, Integration};
 use counterpoise_models::{Error, SectionShape};
 
 /// int_0^1 (1 + excess xi^exponent) f(xi) dxi by Simpson's rule in t, xi = t^4, which removes the kink at 0.
@@ -106,8 +106,9 @@ fn a_section_that_bulges_is_refused_and_quadrature_takes_it() {
     second.from_m = 0.5;
     second.shape = SectionShape::Tube { outer_diameter_m: [0.2, 0.12], inner_diameter_m: [0.0, 0.0] };
     beam.sections.push(second);
-    let build =
-        |integration| FeModel::beam(&beam, &AttachedMasses::default(), &options(Mesh::Equal(1), integration));
+    let build = |integration| {
+        FeModel::beam(&beam, &AttachedMasses::default(), &options(ElementMesh::Equal(1), integration))
+    };
     assert!(matches!(build(Integration::PowerLaw), Err(Error::PowerLaw { .. })));
     assert!(build(Integration::Quadrature).is_ok());
 }

@@ -2,7 +2,7 @@ use super::{assert_close, options, uniform_beam};
 use counterpoise_linalg::{Mat, solve, sym_gen_eigen};
 use counterpoise_models::plant::Body;
 use counterpoise_models::structure::{
-    AttachedMasses, FeModel, Integration, Mesh, Support, locked_modes, pinned_modes, reduce_to_lumped,
+    AttachedMasses, ElementMesh, FeModel, Integration, Support, locked_modes, pinned_modes, reduce_to_lumped,
     undamped_modes,
 };
 
@@ -10,7 +10,7 @@ fn model() -> FeModel {
     let mut beam = uniform_beam();
     beam.pivot_m = 0.3;
     let fitted = AttachedMasses { hub_inertia_kg_m2: 0.05, masses: vec![super::mass(-0.1, 0.2, 0.01)] };
-    FeModel::beam(&beam, &fitted, &options(Mesh::Pivoted(8), Integration::Quadrature)).unwrap()
+    FeModel::beam(&beam, &fitted, &options(ElementMesh::Pivoted(8), Integration::Quadrature)).unwrap()
 }
 
 #[test]
@@ -66,9 +66,12 @@ fn the_locked_form_has_the_pinned_frequencies() {
 #[test]
 fn weight_bends_the_locked_beam_as_its_modes_say() {
     let beam = uniform_beam();
-    let model =
-        FeModel::beam(&beam, &AttachedMasses::default(), &options(Mesh::Equal(10), Integration::Quadrature))
-            .unwrap();
+    let model = FeModel::beam(
+        &beam,
+        &AttachedMasses::default(),
+        &options(ElementMesh::Equal(10), Integration::Quadrature),
+    )
+    .unwrap();
     let form = locked_modes(&model, usize::MAX).unwrap();
     let sag: f64 =
         form.modes.iter().map(|m| -m.load_share_kg_m * m.tip_deflection_m / m.frequency_rad_s.powi(2)).sum();

@@ -1,11 +1,15 @@
 use super::{assert_all, assert_close, cone, frequencies, options, unit_beam};
-use counterpoise_models::structure::{AttachedMasses, Integration, Mesh, Support};
+use counterpoise_models::structure::{AttachedMasses, ElementMesh, Integration, Support};
 use counterpoise_models::{Beam, SectionShape};
 
 fn numbers(tip: f64, elements: usize, integration: Integration, support: Support) -> Vec<f64> {
     let (beam, factor) = cone(tip);
-    let found =
-        frequencies(&beam, &AttachedMasses::default(), &options(Mesh::Equal(elements), integration), support);
+    let found = frequencies(
+        &beam,
+        &AttachedMasses::default(),
+        &options(ElementMesh::Equal(elements), integration),
+        support,
+    );
     found.into_iter().map(|w| w * factor).collect()
 }
 
@@ -38,7 +42,7 @@ fn wedge(tip: f64) -> (Beam, f64) {
 
 fn wedge_numbers(tip: f64, elements: usize) -> Vec<f64> {
     let (beam, factor) = wedge(tip);
-    let options = options(Mesh::Equal(elements), Integration::Quadrature);
+    let options = options(ElementMesh::Equal(elements), Integration::Quadrature);
     let found = frequencies(&beam, &AttachedMasses::default(), &options, Support::Clamped);
     found.into_iter().map(|w| w * factor).collect()
 }
@@ -77,7 +81,7 @@ fn errors_of_a_wedge_fall_with_the_fourth_power_from_above() {
 fn a_rectangle_is_its_area_and_second_moment_whatever_its_kind() {
     let given = SectionShape::Given { area_m2: [0.02; 2], second_moment_m4: [0.2 * 0.001 / 12.0; 2] };
     let rectangle = SectionShape::Rectangle { height_m: [0.1; 2], width_m: [0.2; 2] };
-    let options = options(Mesh::Equal(6), Integration::Quadrature);
+    let options = options(ElementMesh::Equal(6), Integration::Quadrature);
     let of = |shape| frequencies(&unit_beam(shape), &AttachedMasses::default(), &options, Support::Free);
     assert_all(&of(rectangle), &of(given), 1e-12);
 }

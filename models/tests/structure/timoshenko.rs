@@ -2,11 +2,11 @@ use super::{assert_close, frequencies, uniform_beam, unit_beam};
 use counterpoise_linalg::sym_gen_eigen;
 use counterpoise_models::SectionShape;
 use counterpoise_models::structure::{
-    AttachedMasses, FeModel, FeOptions, Integration, Mesh, Support, Theory,
+    AttachedMasses, ElementMesh, FeModel, FeOptions, Integration, Support, Theory,
 };
 
 fn options(elements: usize, theory: Theory) -> FeOptions {
-    FeOptions { mesh: Mesh::Equal(elements), theory, integration: Integration::Quadrature }
+    FeOptions { mesh: ElementMesh::Equal(elements), theory, integration: Integration::Quadrature }
 }
 
 /// Lowest frequency of Timoshenko's beam on two hinges, half wave number `n`, unit E and rho:

@@ -1,6 +1,6 @@
 use super::{assert_all, assert_close, frequencies, mass, options, uniform_beam};
 use counterpoise_models::structure::{
-    AttachedMasses, Direction, FeModel, Integration, Mesh, Support, undamped_modes,
+    AttachedMasses, Direction, ElementMesh, FeModel, Integration, Support, undamped_modes,
 };
 
 const CLAMPED: [f64; 5] = [1.87510406871, 4.69409113297, 7.85475743824, 10.9955407349, 14.137168391];
@@ -8,7 +8,7 @@ const FREE: [f64; 5] = [4.73004074486, 7.8532046241, 10.995607838, 14.1371654913
 const PINNED: [f64; 4] = [3.92660231205, 7.06858274563, 10.2101761228, 13.3517687778];
 
 fn betas(elements: usize, support: Support, fitted: &AttachedMasses) -> Vec<f64> {
-    let options = options(Mesh::Equal(elements), Integration::Quadrature);
+    let options = options(ElementMesh::Equal(elements), Integration::Quadrature);
     frequencies(&uniform_beam(), fitted, &options, support).into_iter().map(f64::sqrt).collect()
 }
 
@@ -86,7 +86,7 @@ fn a_tip_mass_moves_the_clamped_mode_as_its_characteristic_equation_says() {
 
 #[test]
 fn a_mass_on_a_rigid_arm_is_a_mass_with_moment_and_inertia() {
-    let options = options(Mesh::Equal(10), Integration::Quadrature);
+    let options = options(ElementMesh::Equal(10), Integration::Quadrature);
     let model = |fitted: &AttachedMasses| FeModel::beam(&uniform_beam(), fitted, &options).unwrap();
     let hung = model(&AttachedMasses { masses: vec![mass(-0.2, 3.0, 0.1)], ..AttachedMasses::default() });
     assert_close(hung.mass_kg(), 1.0 + 3.0, 1e-12);
@@ -96,7 +96,7 @@ fn a_mass_on_a_rigid_arm_is_a_mass_with_moment_and_inertia() {
 
 #[test]
 fn rigid_motions_are_free_and_carry_the_exact_mass() {
-    for mesh in [Mesh::Equal(1), Mesh::Equal(7), Mesh::Nodes(vec![0.0, 0.1, 0.9, 1.0])] {
+    for mesh in [ElementMesh::Equal(1), ElementMesh::Equal(7), ElementMesh::Nodes(vec![0.0, 0.1, 0.9, 1.0])] {
         let model = FeModel::beam(
             &uniform_beam(),
             &AttachedMasses::default(),
@@ -115,7 +115,7 @@ fn rigid_motions_are_free_and_carry_the_exact_mass() {
 
 #[test]
 fn modes_are_orthonormal_and_effective_masses_add_up() {
-    let options = options(Mesh::Equal(12), Integration::Quadrature);
+    let options = options(ElementMesh::Equal(12), Integration::Quadrature);
     let model = FeModel::beam(&uniform_beam(), &AttachedMasses::default(), &options).unwrap();
     for support in [Support::Free, Support::Pinned, Support::Clamped] {
         let found = undamped_modes(&model, support).unwrap();
@@ -134,7 +134,7 @@ fn modes_are_orthonormal_and_effective_masses_add_up() {
 
 #[test]
 fn every_unknown_carries_its_share_of_the_mass() {
-    let options = options(Mesh::Equal(4), Integration::Quadrature);
+    let options = options(ElementMesh::Equal(4), Integration::Quadrature);
     let model = FeModel::beam(&uniform_beam(), &AttachedMasses::default(), &options).unwrap();
     let carried = model.carried_moments();
     let shares = [0.125, 0.25, 0.25, 0.25, 0.125];
@@ -147,9 +147,9 @@ fn every_unknown_carries_its_share_of_the_mass() {
 fn what_has_no_hub_node_cannot_be_pinned() {
     let mut beam = uniform_beam();
     beam.pivot_m = 0.3;
-    let options = options(Mesh::Equal(4), Integration::Quadrature);
+    let options = options(ElementMesh::Equal(4), Integration::Quadrature);
     let model = FeModel::beam(&beam, &AttachedMasses::default(), &options).unwrap();
     assert_eq!(undamped_modes(&model, Support::Pinned), Err(counterpoise_models::Error::NoHubNode));
-    let pivoted = super::options(Mesh::Pivoted(4), Integration::Quadrature);
+    let pivoted = super::options(ElementMesh::Pivoted(4), Integration::Quadrature);
     assert!(FeModel::beam(&beam, &AttachedMasses::default(), &pivoted).unwrap().hub.is_some());
 }

@@ -417,7 +417,7 @@ pub struct LimitRow<Limit = LimitKind> {
     pub used: Option<f64>,
     /// The bandwidth if this limit alone were lifted, rad/s; absent if it would be no higher.
     pub lifted_rad_s: Option<f64>,
-    /// The sampled loop, broken at the control, that has the highest bandwidth with the limit kept; absent where a formula tells it.
+    /// The sampled loop, broken at the control, that has the highest bandwidth with the limit kept; absent if a formula tells it.
     pub shown_by: Option<SystemResult>,
     /// The sampled loop that has the bandwidth with the limit lifted; absent if it would be no higher.
     pub lifted_shown_by: Option<SystemResult>,

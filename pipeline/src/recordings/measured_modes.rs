@@ -4,11 +4,13 @@
 //! one and judged on that one, mode after mode: the error that counts is that of the held-out frequencies.
 
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
-use counterpoise_models::structure::{AttachedMasses, FeModel, FeOptions, Mesh, Theory, undamped_modes};
+use counterpoise_models::structure::{
+    AttachedMasses, ElementMesh, FeModel, FeOptions, Theory, undamped_modes,
+};
 use counterpoise_models::{Beam, PointMass};
 
 use super::structure_hypotheses::{
-    Change, End, FittedParameter, FittedValue, Hypothesis, Scale, TriedStructure,
+    Change, End, FittedParameter, FittedStructureValue, Hypothesis, Scale, TriedStructure,
 };
 use crate::tolerance::{ALIKE_HYPOTHESES, EXPLAINED_STRUCTURE, FEWEST_JUDGED_MODES, WORTH_COMPLICATING};
 use crate::{PipelineError, finite_elements};
@@ -30,19 +32,14 @@ pub struct StructureAnswer {
     pub measured_hz: Vec<f64>,
     /// Frequencies of the model as it is, Hz.
     pub model_hz: Vec<f64>,
+    /// By how much each of them is off, percent of the measured one.
+    pub model_errors_percent: Vec<f64>,
     /// Trials; the first one is the model as it is, the others best first.
     pub tried: Vec<TriedStructure>,
     /// The trial that explains the modes; `None` if none does better than the model as it is.
     pub chosen: Option<TriedStructure>,
     /// Others that explain the modes as well as the one that is named.
     pub alternatives: Vec<Hypothesis>,
-}
-
-impl StructureAnswer {
-    /// Returns by how much each frequency of a structure is off, percent of the measured one; `modes_hz` in the order of the measured modes.
-    pub fn errors_percent(&self, modes_hz: &[f64]) -> Vec<f64> {
-        modes_hz.iter().zip(&self.measured_hz).map(|(hz, measured)| 100.0 * (hz / measured - 1.0)).collect()
-    }
 }
 
 /// The answer, and the project with what was named.
@@ -129,17 +126,22 @@ impl StructureTrials<'_> {
         let left_out = rms((0..count).map(|k| (fit(Some(k)).modes_hz[k] / self.measured.modes_hz[k]).ln()));
         let mut parameters = Vec::new();
         if matches!(hypothesis.change, Change::EndMass(_)) {
-            parameters.push(FittedValue { parameter: FittedParameter::Mass, value: added_kg });
+            parameters.push(FittedStructureValue { parameter: FittedParameter::Mass, value: added_kg });
         }
         if hypothesis.scaled == Scale::Fitted {
-            parameters
-                .push(FittedValue { parameter: FittedParameter::StiffnessFactor, value: scale * scale });
+            parameters.push(FittedStructureValue {
+                parameter: FittedParameter::StiffnessFactor,
+                value: scale * scale,
+            });
         }
         Ok(Some(TriedStructure {
             hypothesis,
             parameters,
             rms_percent: 100.0 * errors(&modes_hz),
             left_out_percent: 100.0 * if hypothesis.parameters() == 0 { errors(&modes_hz) } else { left_out },
+            errors_percent: (0..count)
+                .map(|k| 100.0 * (modes_hz[k] / self.measured.modes_hz[k] - 1.0))
+                .collect(),
             modes_hz,
         }))
     }
@@ -239,8 +241,8 @@ impl StructureTrials<'_> {
 }
 
 fn finer_mesh(options: &FeOptions) -> Option<FeOptions> {
-    let Mesh::Pivoted(count) = options.mesh else { return None };
-    Some(FeOptions { mesh: Mesh::Pivoted(FINER * count), ..options.clone() })
+    let ElementMesh::Pivoted(count) = options.mesh else { return None };
+    Some(FeOptions { mesh: ElementMesh::Pivoted(FINER * count), ..options.clone() })
 }
 
 /// A mass at an end of the beam.
@@ -306,6 +308,7 @@ fn answer(
         verdict,
         measured_hz: measured.modes_hz.clone(),
         model_hz: as_it_is.modes_hz.clone(),
+        model_errors_percent: as_it_is.errors_percent.clone(),
         tried: all,
         chosen: chosen.cloned(),
         alternatives,

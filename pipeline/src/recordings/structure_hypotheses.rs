@@ -46,18 +46,20 @@ pub struct TriedStructure {
     /// The hypothesis.
     pub hypothesis: Hypothesis,
     /// Fitted numbers.
-    pub parameters: Vec<FittedValue>,
+    pub parameters: Vec<FittedStructureValue>,
     /// RMS relative error of all modes, %.
     pub rms_percent: f64,
     /// RMS relative error of modes that were left out of the fit, one after the other, %.
     pub left_out_percent: f64,
     /// Frequencies of the fitted model, Hz.
     pub modes_hz: Vec<f64>,
+    /// By how much each of them is off, percent of the measured one.
+    pub errors_percent: Vec<f64>,
 }
 
 /// A number that was fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FittedValue {
+pub struct FittedStructureValue {
     /// What it is.
     pub parameter: FittedParameter,
     /// Its value.

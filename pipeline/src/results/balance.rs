@@ -21,7 +21,7 @@ pub struct CycleBalanceResult {
     /// Turns of the motor for one of the hub.
     pub gear_ratio: f64,
     /// Dry friction at motor and pivot.
-    pub joints: Vec<JointResult>,
+    pub joints: Vec<JointFrictionResult>,
     /// The gear's gap.
     pub mesh: MeshResult,
     /// The friction observers, in the controller's order.
@@ -33,7 +33,7 @@ pub struct CycleBalanceResult {
 
 /// The describing function of a joint's dry friction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct JointResult {
+pub struct JointFrictionResult {
     /// `motor` or `pivot`.
     pub joint: &'static str,
     /// Amplitude of the relative angle, rad.
@@ -113,8 +113,8 @@ impl From<&CycleBalance> for CycleBalanceResult {
     }
 }
 
-fn joint(name: &'static str, of: &JointBalance) -> JointResult {
-    JointResult {
+fn joint(name: &'static str, of: &JointBalance) -> JointFrictionResult {
+    JointFrictionResult {
         joint: name,
         amplitude_rad: of.amplitude_rad,
         stiffness_nm_rad: of.impedance.stiffness,

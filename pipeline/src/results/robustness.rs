@@ -25,7 +25,7 @@ pub struct RobustnessResult {
     /// Frequency at which the upper bound is largest, Hz.
     pub worst_hz: Option<f64>,
     /// Bounds of the structured singular value, by rising frequency.
-    pub bounds: Vec<BoundResult>,
+    pub bounds: Vec<SingularValueResult>,
     /// The nearest mechanism at the limit of stability that was found.
     pub nearest: Option<NearestResult>,
     /// Keys of parameters that do not enter the linear loop.
@@ -60,7 +60,7 @@ pub type ScalingBlock = Vec<Vec<[f64; 2]>>;
 /// The structured singular value at one frequency.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)]
-pub struct BoundResult {
+pub struct SingularValueResult {
     /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Upper bound.
@@ -192,7 +192,7 @@ fn range(StatedRange { varied, factor }: &StatedRange) -> RangeResult {
 }
 
 /// Returns the bounds with what proves them.
-fn bounds(found: &RobustStability) -> Vec<BoundResult> {
+fn bounds(found: &RobustStability) -> Vec<SingularValueResult> {
     let placed = found.proof.pulled.structure.place_blocks();
     let blocks = |scaling: &CMat| -> Vec<ScalingBlock> {
         let pair = |i: usize, j: usize| [scaling[(i, j)].re, scaling[(i, j)].im];
@@ -202,16 +202,17 @@ fn bounds(found: &RobustStability) -> Vec<BoundResult> {
         placed.iter().map(|(_, rows)| block(rows)).collect()
     };
     let proofs = found.proof.scalings.iter().zip(&found.proof.perturbations);
-    let one = |(at, (proof, perturbation)): (&Bounds, (&UpperBound, &Option<Perturbation>))| BoundResult {
-        frequency_hz: at.frequency_hz,
-        upper: at.upper,
-        lower: at.lower,
-        D: blocks(&proof.D),
-        G: blocks(&proof.G),
-        perturbation: perturbation
-            .as_ref()
-            .map_or_else(Vec::new, |it| it.delta.iter().map(|q| [q.re, q.im]).collect()),
-    };
+    let one =
+        |(at, (proof, perturbation)): (&Bounds, (&UpperBound, &Option<Perturbation>))| SingularValueResult {
+            frequency_hz: at.frequency_hz,
+            upper: at.upper,
+            lower: at.lower,
+            D: blocks(&proof.D),
+            G: blocks(&proof.G),
+            perturbation: perturbation
+                .as_ref()
+                .map_or_else(Vec::new, |it| it.delta.iter().map(|q| [q.re, q.im]).collect()),
+        };
     found.bounds.iter().zip(proofs).map(one).collect()
 }
 

@@ -30,19 +30,44 @@ use counterpoise_project::resolve::synthesis_options::{
     AdaptationMethod, AdaptationOptions, AdaptationUse, Compensation, ObserverOptions,
 };
 
+/// What happens in a run, in the order of the source thesis' figure 7-18.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RunKind {
+    /// The out-of-balance of the design, without adaptation.
+    Default,
+    /// One change of the out-of-balance, without adaptation.
+    OneChange,
+    /// One change, with adaptation from 0.7 of the run.
+    OneChangeAdaptedLate,
+    /// One change, with adaptation from 0.03 of the run.
+    OneChangeAdapted,
+    /// Several changes, without adaptation.
+    SeveralChanges,
+    /// Several changes, with adaptation.
+    SeveralChangesAdapted,
+    /// One change, with adaptation and a nonlinear amplifier.
+    OneChangeNonlinear,
+    /// Several changes, with adaptation and a nonlinear amplifier.
+    SeveralChangesNonlinear,
+}
+
+impl RunKind {
+    /// Returns the letter of the run, as in the source thesis' figure 7-18.
+    pub fn letter(self) -> char {
+        char::from(b'a' + self as u8)
+    }
+}
+
 /// A run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct AdaptRun {
-    /// Letter, as in the source thesis' figure 7-18.
-    pub letter: char,
-    /// Description of the run.
-    pub says: &'static str,
+    /// What happens in it.
+    pub kind: RunKind,
     /// `true` if the controller follows the estimate.
     pub adapts: bool,
     /// The parts of the run between changes.
     pub intervals: Vec<AdaptationInterval>,
     /// The run over time, every so many samples.
-    #[serde(skip)]
     pub trace: Signals<TraceColumn>,
 }
 
@@ -154,8 +179,7 @@ const EVERY: usize = 10;
 
 /// The plan of a run.
 struct Plan {
-    letter: char,
-    says: &'static str,
+    kind: RunKind,
     /// Start of each part as a share of the run, and the factor in it.
     parts: Vec<(f64, f64)>,
     /// Instant at which adaptation starts, as a share of the run.
@@ -219,22 +243,17 @@ fn plans(adaptation: &AdaptationOptions) -> Vec<Plan> {
     let many: Vec<(f64, f64)> = changes.iter().enumerate().map(|(k, factor)| (share(k), *factor)).collect();
     let one = vec![(0.0, 1.0), (CHANGE, first)];
     let late = vec![(0.0, 1.0), (CHANGE, first), (LATE, first)];
-    let plan = |letter, says, parts: &[(f64, f64)], from, amplifier| Plan {
-        letter,
-        says,
-        parts: parts.to_vec(),
-        from,
-        amplifier,
-    };
+    let plan =
+        |kind, parts: &[(f64, f64)], from, amplifier| Plan { kind, parts: parts.to_vec(), from, amplifier };
     let mut plans = vec![
-        plan('a', "default out-of-balance, no adaptation", &[(0.0, 1.0)], None, Amplifier::Modelled),
-        plan('b', "one change, no adaptation", &one, None, Amplifier::Modelled),
-        plan('c', "one change, adaptation from 0.7 of the run", &late, Some(LATE), Amplifier::Modelled),
-        plan('d', "one change, adaptation from 0.03 of the run", &one, Some(EARLY), Amplifier::Modelled),
-        plan('e', "several changes, no adaptation", &many, None, Amplifier::Modelled),
-        plan('f', "several changes, adaptation", &many, Some(EARLY), Amplifier::Modelled),
-        plan('g', "one change, adaptation, nonlinear amplifier", &one, Some(EARLY), Amplifier::Curved),
-        plan('h', "several changes, adaptation, nonlinear amplifier", &many, Some(EARLY), Amplifier::Curved),
+        plan(RunKind::Default, &[(0.0, 1.0)], None, Amplifier::Modelled),
+        plan(RunKind::OneChange, &one, None, Amplifier::Modelled),
+        plan(RunKind::OneChangeAdaptedLate, &late, Some(LATE), Amplifier::Modelled),
+        plan(RunKind::OneChangeAdapted, &one, Some(EARLY), Amplifier::Modelled),
+        plan(RunKind::SeveralChanges, &many, None, Amplifier::Modelled),
+        plan(RunKind::SeveralChangesAdapted, &many, Some(EARLY), Amplifier::Modelled),
+        plan(RunKind::OneChangeNonlinear, &one, Some(EARLY), Amplifier::Curved),
+        plan(RunKind::SeveralChangesNonlinear, &many, Some(EARLY), Amplifier::Curved),
     ];
     plans
         .retain(|plan| plan.amplifier == Amplifier::Modelled || !adaptation.trial.amplifier_curve.is_empty());
@@ -353,13 +372,13 @@ impl Stage<'_> {
             state = Some(history.final_state);
         }
         let adapts = plan.from.is_some();
-        Ok(AdaptRun { letter: plan.letter, says: plan.says, adapts, intervals, trace })
+        Ok(AdaptRun { kind: plan.kind, adapts, intervals, trace })
     }
 
     /// Returns the RMS of the default case in the parts of a plan.
     fn default_for(&self, plan: &Plan) -> Result<Vec<f64>, PipelineError> {
         let parts = plan.parts.iter().map(|(start, _)| (*start, 1.0)).collect();
-        let default = Plan { letter: 'a', says: "", parts, from: None, amplifier: Amplifier::Modelled };
+        let default = Plan { kind: RunKind::Default, parts, from: None, amplifier: Amplifier::Modelled };
         Ok(self.run(&default)?.intervals.iter().map(|interval| interval.hub_rms_rad_s).collect())
     }
 

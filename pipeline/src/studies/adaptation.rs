@@ -1,14 +1,13 @@
 //! The adaptation put to the test in the nonlinear closed loop: the eight runs, and the trials of every method.
 
 use counterpoise_project::Project;
-use serde::Serialize;
 
 use crate::studies::adapt::{AdaptRun, adapt};
 use crate::studies::adaptation_trials::{AdaptationTrials, run_trials};
 use crate::{PipelineError, World, build_plant_model, project_procedure, reduce_plant, synthesise};
 
 /// The adaptation put to the test.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct AdaptResult {
     /// The runs (a) to (h).
     pub runs: Vec<AdaptRun>,

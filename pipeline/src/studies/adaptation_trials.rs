@@ -58,6 +58,9 @@ pub struct HoldBands {
 pub struct AdaptationTrials {
     /// Rows: trial by trial, the methods in each.
     pub rows: Vec<TrialRow>,
+    /// The rows that say most of what the adaptation is worth.
+    #[serde(skip)]
+    pub extremes: TrialExtremes,
     /// Methods that are refused for this project, with the reason.
     pub refused: Vec<MethodRefusal>,
     /// Hold bands of recursive least squares; absent for other methods.
@@ -66,6 +69,26 @@ pub struct AdaptationTrials {
     /// The hub's rate once the load has settled, of every run.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub histories: Vec<TrialHistory>,
+}
+
+/// The rows that say most of what an adaptation is worth.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct TrialExtremes {
+    /// The row with the largest hub rate with adaptation over that without; `None` if it is nowhere larger.
+    pub worst: Option<TrialRow>,
+    /// The row in which an unknown load adds most to the hub rate without adaptation; `None` if none adds to it.
+    pub most_added: Option<TrialRow>,
+}
+
+impl TrialExtremes {
+    /// Returns the extremes of trials.
+    pub fn of(rows: &[TrialRow]) -> Self {
+        let largest = |value: fn(&TrialRow) -> f64, above: f64| {
+            let rows = rows.iter().filter(|row| value(row) > above);
+            rows.max_by(|a, b| value(a).total_cmp(&value(b))).copied()
+        };
+        Self { worst: largest(TrialRow::ratio, 1.0), most_added: largest(TrialRow::added_share, 0.0) }
+    }
 }
 
 /// The hub's rate in a run of a trial.
@@ -271,7 +294,7 @@ fn run_methods(stage: &Stage, methods: &[KeyedMethod]) -> Result<AdaptationTrial
     let refused = methods.iter().filter_map(|one| refusal(one.key, &rows)).collect();
     let squares = methods.iter().any(|one| one.method == AdaptationMethod::Recursive);
     let bands = squares.then(|| bands(stage));
-    Ok(AdaptationTrials { rows, refused, bands, histories })
+    Ok(AdaptationTrials { extremes: TrialExtremes::of(&rows), rows, refused, bands, histories })
 }
 
 /// Sets what the hub rate without adaptation differs by after a sudden and after a slow change, motion by motion.

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::exchange::{VerifiedLoop, plants_of, verified_loop};
 use crate::synth::demanded_rate::assumption_of_demanded_rate;
-use crate::{DesignStages, PipelineError, PlantModel, SynthesisedDesign, build_plant_model};
+use crate::{PipelineError, PlantModel, SynthesisedDesign, build_plant_model};
 
 /// Frequency at which the residual of heave and pitch is compared, Hz: within the band that feedback and feedforward reject.
 const RESIDUAL_HZ: f64 = 1.0;
@@ -128,18 +128,6 @@ pub fn assumption_effects(
 pub fn with_those_of_design(assumptions: &[Assumption], synthesised: &SynthesisedDesign) -> Vec<Assumption> {
     let of_design = synthesised.demanded_rate.as_ref().and_then(assumption_of_demanded_rate);
     assumptions.iter().cloned().chain(of_design).collect()
-}
-
-/// Returns the effect of each assumption on a whole design, as [`assumption_effects`]; none if the linear loop cannot be judged.
-pub fn effects_on_design(
-    project: &Project,
-    stages: &DesignStages,
-    assumptions: &[Assumption],
-    systems: LoopSystems,
-    pool: &dyn Pool,
-) -> AssumptionEffects {
-    assumption_effects(project, &stages.modelled, &stages.synthesised, assumptions, systems, pool)
-        .unwrap_or_default()
 }
 
 fn figures(

@@ -23,6 +23,7 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 
 use super::fra_points::{MapPoints, ResponseMapPoint, gain_db, pair, phase_deg};
+use super::fra_summary::MapSummary;
 use crate::recordings::ColumnRemark;
 use crate::recordings::read::{GapTreatment, ReadRecording, RecordingFile, read_files, recording_controller};
 use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
@@ -106,6 +107,9 @@ pub struct ResponseMap<Remark = String> {
     pub recording: Option<String>,
     /// The numbers of its points.
     pub points: MapPoints,
+    /// The same numbers in a few.
+    #[serde(skip)]
+    pub summary: MapSummary,
     /// Simulated time of the mechanism, s.
     pub simulated_s: f64,
     /// Remarks that belong to the numbers.
@@ -301,12 +305,14 @@ impl Analyser {
             Ok(ResponseMapPoint { last_change: Some(one.last_change), settled: one.settled, ..point })
         });
         let points: Vec<ResponseMapPoint> = points.into_iter().collect::<Result<_, PipelineError>>()?;
+        let points = MapPoints::of(&points, frequencies);
         Ok(ResponseMap {
             name: self.name.clone(),
             around: self.around,
             signals: self.around.signals(self.plant.parameters().controlled_quantity()),
             recording: None,
-            points: MapPoints::of(&points, frequencies),
+            summary: MapSummary::of(&points, None),
+            points,
             simulated_s: measured.t().iter().map(|one| one.simulated_s).sum(),
             remarks: self.remarks.clone(),
         })
@@ -339,12 +345,14 @@ impl Analyser {
             let point = self.point_of(&found, found.input.harmonics[0].norm())?;
             points.push(ResponseMapPoint { settled: is_excited(&found, recording.sample_period_s), ..point });
         }
+        let points = MapPoints::of(&points, frequencies_hz.len());
         Ok(ResponseMap {
             name: self.name.clone(),
             around: self.around,
             signals: self.around.signals(self.plant.parameters().controlled_quantity()),
             recording: Some(recording.name.clone()),
-            points: MapPoints::of(&points, frequencies_hz.len()),
+            summary: MapSummary::of(&points, Some(&recording.name)),
+            points,
             simulated_s: 0.0,
             remarks: self.remarks.clone(),
         })

@@ -145,7 +145,7 @@ impl MapPoints {
         self.linear.mapv(C64::norm)
     }
 
-    /// Returns the gains, dB, frequency x amplitude: -infinity where nothing moves.
+    /// Returns the gains, dB, frequency x amplitude: -infinity if nothing moves.
     pub fn gain_db(&self) -> Array2<f64> {
         self.response.mapv(gain_db)
     }

@@ -1,7 +1,6 @@
 //! The summary of a measured map: the points of each amplitude, how far the linear models are off, and where the joint sticks.
 
-use super::fra::ResponseMap;
-use super::fra_points::{ResponseMapPoint, gain_db};
+use super::fra_points::{MapPoints, ResponseMapPoint, gain_db};
 use counterpoise_linalg::C64;
 use ndarray::ArrayView1;
 
@@ -12,6 +11,12 @@ pub struct AmplitudePoints {
     pub amplitude: f64,
     /// The points, frequency rising.
     pub points: Vec<ResponseMapPoint>,
+    /// The point with the largest gain; `None` if there are no points.
+    pub highest: Option<ResponseMapPoint>,
+    /// How far the gain of the linear model is off, dB: the upper median over the points. NaN if there are no points.
+    pub linear_error_db: f64,
+    /// The same for the model with the describing function, over the points that have one.
+    pub describing_error_db: f64,
 }
 
 /// An amplitude at which nothing moves at some frequencies.
@@ -42,21 +47,60 @@ impl ResponseMapPoint {
     }
 }
 
+/// The numbers of a measured map in a few.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapSummary {
+    /// The points of each amplitude, in the order of the map; those of a recording together.
+    pub amplitudes: Vec<AmplitudePoints>,
+    /// Largest difference of gain between amplitudes at one frequency, dB.
+    pub widest_spread_db: f64,
+    /// Largest gain, dB.
+    pub largest_gain_db: f64,
+    /// Largest share of harmonics in the fundamental.
+    pub largest_distortion: f64,
+    /// Number of points that had not settled, or were not excited on a recording.
+    pub unsettled: usize,
+    /// The amplitudes at which the joint sticks at some frequency.
+    pub sticking: Vec<StickingAmplitude>,
+}
+
+impl MapSummary {
+    /// Summarises the points of a map, which were measured on a recording if it has a name.
+    pub(crate) fn of(points: &MapPoints, recording: Option<&str>) -> Self {
+        let of_amplitude = |k: usize| {
+            let points: Vec<ResponseMapPoint> = points.of_amplitude(k).collect();
+            let first = points.first().filter(|_| recording.is_none());
+            AmplitudePoints::of(first.map_or(f64::NAN, |point| point.amplitude), points)
+        };
+        let amplitudes: Vec<AmplitudePoints> = (0..points.amplitudes()).map(of_amplitude).collect();
+        let spread = |gains: ArrayView1<'_, f64>| {
+            let [most, least] =
+                [gains.fold(f64::MIN, |a, b| a.max(*b)), gains.fold(f64::MAX, |a, b| a.min(*b))];
+            most - least
+        };
+        let gain_db = points.gain_db();
+        Self {
+            widest_spread_db: gain_db.rows().into_iter().map(spread).fold(0.0, f64::max),
+            largest_gain_db: gain_db.fold(f64::MIN, |most, gain| most.max(*gain)),
+            largest_distortion: points.distortion.fold(0.0, |most, share| most.max(*share)),
+            unsettled: points.settled.iter().filter(|settled| !**settled).count(),
+            sticking: amplitudes.iter().filter_map(|one| one.sticking_amplitude(&amplitudes)).collect(),
+            amplitudes,
+        }
+    }
+}
+
 impl AmplitudePoints {
-    /// Returns the point with the largest gain; `None` if there are no points.
-    pub fn highest_point(&self) -> Option<ResponseMapPoint> {
-        self.points.iter().copied().max_by(|a, b| a.gain_db.total_cmp(&b.gain_db))
-    }
-
-    /// Returns how far the gain of the linear model is off, dB: the upper median over the points. NaN if there are no points.
-    pub fn linear_error_db(&self) -> f64 {
-        upper_median(self.points.iter().map(|p| (p.linear_gain_db() - p.gain_db).abs()).collect())
-    }
-
-    /// Returns the same for the model with the describing function, over the points that have one.
-    pub fn describing_error_db(&self) -> f64 {
-        let error = |p: &ResponseMapPoint| p.describing_gain_db().map(|gain| (gain - p.gain_db).abs());
-        upper_median(self.points.iter().filter_map(error).collect())
+    fn of(amplitude: f64, points: Vec<ResponseMapPoint>) -> Self {
+        let linear = |p: &ResponseMapPoint| (p.linear_gain_db() - p.gain_db).abs();
+        let describing = |p: &ResponseMapPoint| p.describing_gain_db().map(|gain| (gain - p.gain_db).abs());
+        Self {
+            amplitude,
+            highest: points.iter().copied().max_by(|a, b| a.gain_db.total_cmp(&b.gain_db)),
+            linear_error_db: upper_median(points.iter().map(linear).collect()),
+            describing_error_db: upper_median(points.iter().filter_map(describing).collect()),
+            points,
+        }
     }
 
     /// Returns the amplitude with the frequencies at which nothing moves; `None` if the joint moves at all of them.
@@ -73,49 +117,6 @@ impl AmplitudePoints {
             frequencies_hz,
             moved_by,
         })
-    }
-}
-
-impl<Remark> ResponseMap<Remark> {
-    /// Returns the points of each amplitude, in the order of the map; those of a recording together.
-    pub fn points_by_amplitude(&self) -> Vec<AmplitudePoints> {
-        let of_amplitude = |k: usize| {
-            let points: Vec<ResponseMapPoint> = self.points.of_amplitude(k).collect();
-            let first = points.first().filter(|_| self.recording.is_none());
-            AmplitudePoints { amplitude: first.map_or(f64::NAN, |point| point.amplitude), points }
-        };
-        (0..self.points.amplitudes()).map(of_amplitude).collect()
-    }
-
-    /// Returns the largest difference of gain between amplitudes at one frequency, dB.
-    pub fn widest_spread_db(&self) -> f64 {
-        let spread = |gains: ArrayView1<'_, f64>| {
-            let [most, least] =
-                [gains.fold(f64::MIN, |a, b| a.max(*b)), gains.fold(f64::MAX, |a, b| a.min(*b))];
-            most - least
-        };
-        self.points.gain_db().rows().into_iter().map(spread).fold(0.0, f64::max)
-    }
-
-    /// Returns the largest gain of the map, dB.
-    pub fn largest_gain_db(&self) -> f64 {
-        self.points.gain_db().fold(f64::MIN, |most, gain| most.max(*gain))
-    }
-
-    /// Returns the largest share of harmonics in the fundamental.
-    pub fn largest_distortion(&self) -> f64 {
-        self.points.distortion.fold(0.0, |most, share| most.max(*share))
-    }
-
-    /// Returns the number of points that had not settled, or were not excited on a recording.
-    pub fn unsettled_count(&self) -> usize {
-        self.points.settled.iter().filter(|settled| !**settled).count()
-    }
-
-    /// Returns the amplitudes at which the joint sticks at some frequency.
-    pub fn sticking_amplitudes(&self) -> Vec<StickingAmplitude> {
-        let all = self.points_by_amplitude();
-        all.iter().filter_map(|group| group.sticking_amplitude(&all)).collect()
     }
 }
 
@@ -137,28 +138,6 @@ impl MeasuringPace {
     /// Returns how many times as fast as the motion itself, s of motion that were simulated.
     pub fn times_real_time(&self, simulated_s: f64) -> f64 {
         simulated_s / self.seconds
-    }
-}
-
-/// The numbers of several maps together.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MapTotals {
-    /// Points.
-    pub points: usize,
-    /// Points that had not settled, or were not excited on a recording.
-    pub unsettled: usize,
-    /// Simulated time of the mechanism, s.
-    pub simulated_s: f64,
-}
-
-impl MapTotals {
-    /// Returns the numbers of maps together.
-    pub fn of<Remark>(maps: &[ResponseMap<Remark>]) -> Self {
-        Self {
-            points: maps.iter().map(|map| map.points.len()).sum(),
-            unsettled: maps.iter().map(|map| map.unsettled_count()).sum(),
-            simulated_s: maps.iter().map(|map| map.simulated_s).sum(),
-        }
     }
 }
 

@@ -15,6 +15,7 @@ use counterpoise_synth::{
 };
 
 use super::designs::{LimitsResult, TableObjective, limits_of, own_name, structures, three_part, variants};
+use super::front_edges::{PlacedFigures, best_figures, best_places};
 use crate::exchange::UnitValue;
 use crate::tolerance::TUNED_LIMIT_KEPT;
 use crate::tuning::{
@@ -54,6 +55,8 @@ pub struct ProjectFront {
     pub kinds: Vec<FrontKind>,
     /// The designs, numbered from 1 in this order: kind by kind, each by the first objective.
     pub points: Vec<KindPoint>,
+    /// The best figure of any design in each objective.
+    pub best: Vec<f64>,
     /// Single designs to compare with: the project's own, other methods, and the PI with a lag that is tuned under the limits which the
     /// project's own design reaches.
     pub references: Vec<ReferenceDesign>,
@@ -70,6 +73,9 @@ pub struct FrontKind {
     pub evaluations: usize,
     /// Whether the search went to its end.
     pub is_complete: bool,
+    /// For each objective but the first one: the places among the designs of those of this kind that no other of the kind beats in it and in the first
+    /// objective, by rising figure.
+    pub edges: Vec<Vec<usize>>,
     /// Why there is no front; `None` if there is one.
     pub why: Option<counterpoise_synth::Error>,
 }
@@ -150,6 +156,9 @@ pub fn project_front(
         return Err(PipelineError::NoFront { ms, mt, decay_rad_s, why });
     }
     rate_points(&mut points, &kinds, &options.objectives);
+    for (k, kind) in kinds.iter_mut().enumerate() {
+        kind.edges = best_places(&placed_figures(&points, |point| point.kind == k), &options.objectives);
+    }
     let mut references = own;
     references.extend(stage.tuned_bar(&references[0], &wanted, &options.objectives));
     let controlled = project.plant.controlled_quantity();
@@ -161,6 +170,7 @@ pub fn project_front(
             TuningObjective::Band => TableObjective::Band(wanted.band_rad_s),
         },
         has_own_motion: own_procedure(project, world)?.road.is_some(),
+        best: best_figures(&placed_figures(&points, |_| true), &options.objectives),
         points,
         objectives: options.objectives,
         limits: LimitsResult::from(&limits),
@@ -171,6 +181,12 @@ pub fn project_front(
         kinds,
         references,
     })
+}
+
+/// Returns the figures of the designs that are chosen, with their places among all.
+fn placed_figures(points: &[KindPoint], is_chosen: impl Fn(&KindPoint) -> bool) -> Vec<PlacedFigures<'_>> {
+    let chosen = points.iter().enumerate().filter(|(_, point)| is_chosen(point));
+    chosen.map(|(place, point)| PlacedFigures { place, figures: &point.point.figures }).collect()
 }
 
 /// Marks which designs stand against those of every kind, and which against the bar.
@@ -275,7 +291,7 @@ impl FrontStage<'_> {
             };
             let kind = kinds.len();
             let DesignFront { points: found, evaluations, is_complete } = front;
-            kinds.push(FrontKind { name, role, evaluations, is_complete, why });
+            kinds.push(FrontKind { name, role, evaluations, is_complete, edges: Vec::new(), why });
             let controlled = self.project.plant.controlled_quantity();
             let of_kind = |point: FrontPoint| KindPoint {
                 kind,

@@ -1,7 +1,7 @@
 //! Parts: files that a project file includes, put in their place in its tree.
 //!
 //! `include = "motor.toml"` in a table adds what the named file holds to that table. Tables that both have are merged; a key that
-//! both have is an error, so that nothing is overruled unseen. Names are relative to the file that includes, and so are the files
+//! both have is an error, so that nothing is overruled silently. Names are relative to the file that includes, and so are the files
 //! that a part names.
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,7 +1,7 @@
 //! The `[model]` section: which description of the plant the designs and verifications take, and where it stands.
 
 use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
-use counterpoise_models::structure::{FeOptions, Integration, Mesh, Theory};
+use counterpoise_models::structure::{ElementMesh, FeOptions, Integration, Theory};
 
 use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{NamedChoice, Visit, choose};
@@ -75,7 +75,7 @@ impl Default for PlantSelection {
         Self {
             structure: StructureChoice::Lumped,
             modes: MODES as usize,
-            elements: FeOptions { mesh: Mesh::Pivoted(ELEMENTS as usize), ..FeOptions::default() },
+            elements: FeOptions { mesh: ElementMesh::Pivoted(ELEMENTS as usize), ..FeOptions::default() },
             configuration: None,
             operating_point: OperatingPoint::default(),
             friction: FrictionLinearisation::Viscous,
@@ -97,7 +97,7 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut PlantSelection) {
             .or(f64::from(MODES)),
         &mut model.modes,
     );
-    let Mesh::Pivoted(elements) = &mut model.elements.mesh else { return };
+    let ElementMesh::Pivoted(elements) = &mut model.elements.mesh else { return };
     count(
         v,
         &Field::new("elements", "number of finite elements of the beam")

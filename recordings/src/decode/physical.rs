@@ -116,7 +116,7 @@ fn tick(unit: &TimeUnit) -> Tick {
     }
 }
 
-/// Returns the values of a column over all row groups, NaN where there is none.
+/// Returns the values of a column over all row groups, NaN if there is none.
 pub(super) fn column(
     reader: &SerializedFileReader<Bytes>,
     index: usize,
@@ -168,7 +168,7 @@ fn whole_number(bytes: &[u8]) -> i128 {
     bytes.iter().fold(sign, |number, byte| (number << 8) | i128::from(*byte))
 }
 
-/// Returns the values of a column in one row group, NaN where there is none.
+/// Returns the values of a column in one row group, NaN if there is none.
 fn numbers<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     rows: usize,

@@ -41,6 +41,9 @@ pub struct FrontText {
     pub kinds: Vec<KindText>,
     /// The designs, by their numbers.
     pub designs: Vec<FrontDesign>,
+    /// The best figure of any design in each objective.
+    #[serde(skip)]
+    pub best: Vec<f64>,
     /// Single designs to compare with.
     pub references: Vec<ReferenceText>,
     /// Number of the design that was chosen; absent without a choice.
@@ -77,6 +80,9 @@ pub struct KindText {
     pub designs: usize,
     /// Designs of this kind that no design of any kind beats in every objective.
     pub nondominated: usize,
+    /// For each objective but the first one: the places among the designs of those that no other of the kind beats in both.
+    #[serde(skip)]
+    pub edges: Vec<Vec<usize>>,
     /// Why there is no front; absent if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub why: Option<String>,
@@ -135,6 +141,7 @@ impl From<&ProjectFront> for FrontText {
             complete: kind.is_complete,
             designs: count(found, k, |_| true),
             nondominated: count(found, k, |point| point.is_nondominated),
+            edges: kind.edges.clone(),
             why: kind.why.as_ref().map(ToString::to_string),
         });
         let designs = found.points.iter().enumerate().map(|(k, each)| FrontDesign {
@@ -169,6 +176,7 @@ impl From<&ProjectFront> for FrontText {
             reading_noise: found.reading_noise,
             kinds: kinds.collect(),
             designs: designs.collect(),
+            best: found.best.clone(),
             references: references.collect(),
             chosen: None,
             verified: None,

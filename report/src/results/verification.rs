@@ -26,7 +26,7 @@ pub struct FigureText {
 
 /// A requirement with its verdict.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct VerdictText {
+pub struct RequirementVerdictText {
     /// Key of the figure.
     pub figure: String,
     /// The basis of the figure: linear, or nonlinear with its amplitude.
@@ -57,7 +57,7 @@ pub struct VerifyText {
     /// `true` if no requirement fails and the loop is stable.
     pub passes: bool,
     /// Verdicts, in the order of the project file.
-    pub verdicts: Vec<VerdictText>,
+    pub verdicts: Vec<RequirementVerdictText>,
     /// Every figure.
     pub figures: Vec<FigureText>,
     /// The studies beside the figures.
@@ -140,14 +140,18 @@ fn describe_measured(found: &Verification, measured: &MeasuredFigure) -> FigureT
     }
 }
 
-fn describe_verdict(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> VerdictText {
+fn describe_verdict(
+    found: &Verification,
+    requirement: &Requirement,
+    verdict: &Verdict,
+) -> RequirementVerdictText {
     let acceptance = found.acceptance(&requirement.figure);
     let (verdict, value, limit, why) = match verdict {
         Verdict::Holds { value, limit, .. } => ("holds", Some(*value), Some(limit.value()), None),
         Verdict::Fails { value, limit, .. } => ("fails", Some(*value), Some(limit.value()), None),
         Verdict::NotApplicable { why } => ("not applicable", None, None, Some(describe_unmeasured(why))),
     };
-    VerdictText {
+    RequirementVerdictText {
         figure: requirement.figure.key_in(found.controlled_quantity()),
         basis: acceptance.basis,
         verdict,

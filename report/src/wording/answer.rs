@@ -169,7 +169,7 @@ pub fn describe_answer(answer: &Answer, chart: &LocalisationChart) -> AnswerText
         isolability: answer.isolability.clone(),
         map: answer.map.iter().map(cell).collect(),
         hypotheses: answer.hypotheses.clone(),
-        qualification: answer.qualification.iter().map(describe_remark).collect(),
+        qualification: answer.remarks.iter().map(describe_remark).collect(),
         warnings: answer.warnings.clone(),
         learned: answer.learned.as_ref().map(describe_learned),
         held_out_recordings: Vec::new(),
@@ -238,7 +238,7 @@ fn describe_fitted_effect(finding: &Finding, worst_before: f64, worst_after: f64
         |p: &FittedParameter| format!("{} {:.4}{} (was {:.4})", p.name, p.value, unit_suffix(p), p.before);
     let sizes: Vec<String> = finding.parameters.iter().take(PARAMETERS_IN_EXPLANATION).map(size).collect();
     let explanation = format!(
-        "{}; {}. Largest RMS error over its floor: {worst_before:.1} before, {worst_after:.2} after.",
+        "{}; {}. Largest RMS residual over its noise floor: {worst_before:.1} before, {worst_after:.2} after.",
         text.map_or("", |text| text.equation),
         sizes.join(", ")
     );

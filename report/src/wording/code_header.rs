@@ -7,7 +7,7 @@ use counterpoise_verify::{Limit, Verdict, Verification};
 
 use super::acceptance::AcceptanceSource;
 use super::feedback_alone::{describe_feedback_alone, describe_uncertified};
-use super::figures::{describe_figure, describe_unmeasured};
+use super::figures::{describe_figure, describe_unmeasured, format_figure};
 use super::weights::describe_weights;
 
 /// The sentences in the header of generated code.
@@ -42,7 +42,9 @@ fn describe_verdicts(verification: &Verification) -> Vec<String> {
         let (figure, unit) =
             (describe_figure(requirement.figure, controlled), requirement.figure.unit(controlled));
         let basis = verification.acceptance(&requirement.figure).basis;
-        let said = |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({limit}; {basis})");
+        let said = |value: f64, limit: &Limit| {
+            format!("{figure}: {} {unit} ({limit}; {basis})", format_figure(value))
+        };
         match verdict {
             Verdict::Holds { value, limit, .. } => format!("{}: holds", said(*value, limit)),
             Verdict::Fails { value, limit, .. } => format!("{}: FAILS", said(*value, limit)),

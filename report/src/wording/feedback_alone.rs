@@ -4,7 +4,7 @@ use counterpoise_pipeline::PipelineError;
 use counterpoise_verify::{Limit, PerformanceFigure, Verdict, Verification};
 
 use super::errors::describe_pipeline_error;
-use super::figures::describe_figure;
+use super::figures::{describe_figure, format_figure};
 
 /// Describes why the loop could not be verified.
 pub(crate) fn describe_uncertified(why: &PipelineError) -> String {
@@ -20,11 +20,9 @@ pub(crate) fn describe_feedback_alone(found: &Verification) -> Vec<String> {
     let loops = found.figures.iter().map(|measured| measured.figure);
     let loops = loops.filter(|figure| matches!(figure, PerformanceFigure::Loop(_)));
     let said = loops.filter_map(|figure| Some((figure, found.value(figure)?)));
-    lines.extend(
-        said.map(|(figure, value)| {
-            format!("{}: {value:.4} {}", describe_figure(figure, of), figure.unit(of))
-        }),
-    );
+    lines.extend(said.map(|(figure, value)| {
+        format!("{}: {} {}", describe_figure(figure, of), format_figure(value), figure.unit(of))
+    }));
     lines.extend(found.verdicts.iter().filter_map(|(requirement, verdict)| {
         let asked = |limit: &Limit| match limit {
             Limit::AtLeast(value) => format!("at least {value}"),
@@ -32,7 +30,7 @@ pub(crate) fn describe_feedback_alone(found: &Verification) -> Vec<String> {
         };
         let (figure, unit) = (describe_figure(requirement.figure, of), requirement.figure.unit(of));
         let said = |value: f64, limit: &Limit, word: &str| {
-            format!("requirement {figure}: {value:.4} {unit} ({}): {word}", asked(limit))
+            format!("requirement {figure}: {} {unit} ({}): {word}", format_figure(value), asked(limit))
         };
         match verdict {
             Verdict::Holds { value, limit, .. } => Some(said(*value, limit, "holds")),

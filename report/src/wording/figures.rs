@@ -1,4 +1,4 @@
-//! Names of figures, in words a person reads.
+//! Names and values of figures, as a person reads them.
 
 use crate::tolerance::{SHOWN_AS_ZERO_DB, SHOWN_DISTANCE};
 use counterpoise_models::ControlledQuantity;
@@ -7,6 +7,21 @@ use counterpoise_verify::{
     Arrangement, CertificateFigure, JointExperiment, JointFigure, JointQuantity, LoopFigure, MissingReason,
     Model, PerformanceFigure, Quantity, RestFigure, SightFigure, Source, StepFigure, TriangleFigure,
 };
+
+/// Returns a number of a printed line: five significant digits, a plain minus sign, and a word for what has
+/// no bound.
+pub fn format_figure(value: f64) -> String {
+    if !value.is_finite() {
+        let sign = if value < 0.0 { "minus " } else { "" };
+        return format!("{sign}infinite");
+    }
+    let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    if !(-4.0..7.0).contains(&magnitude) {
+        return format!("{value:.4e}");
+    }
+    let decimals = (4.0 - magnitude).clamp(0.0, 8.0) as usize;
+    format!("{value:.decimals$}")
+}
 
 /// Returns the name of a figure in a loop, for example `peak hub rate, pitch, feedback, linear plant`.
 pub fn describe_figure(figure: PerformanceFigure, controlled: ControlledQuantity) -> String {
@@ -221,6 +236,13 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use counterpoise_models::{DriveQuantity, QuantityKind};
+
+    #[test]
+    fn printed_figures_keep_their_digits_at_every_size() {
+        let texts: Vec<String> =
+            [14.49204, -0.000_123_456, 0.0, 151_670.4, 2.5e9, f64::INFINITY].map(format_figure).into();
+        assert_eq!(texts, ["14.492", "-0.00012346", "0.0000", "151670", "2.5000e9", "infinite"]);
+    }
 
     #[test]
     fn no_two_figures_have_one_name() {

@@ -57,7 +57,7 @@ impl IdentificationText {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "outcome", rename_all = "snake_case")]
 pub enum AmplifierText {
-    /// The gain curve departs from the project's; the mechanism was identified together with it.
+    /// The gain curve differs from the project's; the mechanism was identified together with it.
     Curve {
         /// The curve, by rising input.
         points: Vec<GainPoint>,

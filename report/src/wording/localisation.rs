@@ -1,4 +1,4 @@
-//! The components and regimes in which the simulation departs from the recordings, in sentences.
+//! The components and regimes of the residuals of the simulation, in sentences.
 
 use counterpoise_diagnose::findings::answer::Pattern;
 use counterpoise_diagnose::findings::localisation_chart::{LocalisationChart, SearchAgreement};

@@ -5,7 +5,7 @@
 //!
 //! Of a design and its verification: [`weights`], what each weight asks for; [`design_findings`], obstacles; [`errors`], why there is no result;
 //! [`demanded_rate`]; [`schedule`], states of balance; [`certificates`], what is certified; [`reduction`]; [`figures`], the names of figures;
-//! [`acceptance`], how each is judged and how it would be tested; [`designs`], the table of designs; [`check`]; [`code_header`] with `feedback_alone`,
+//! [`acceptance`], how each is judged and how it would be tested; [`designs`], the table of designs; [`check`]; [`adaptation`]; [`code_header`] with `feedback_alone`,
 //! the header of generated code.
 //!
 //! Of recordings: [`answer`], a diagnosis; `effects`, the effects of the library; [`file_remarks`], what is to be known of the file of a recording;
@@ -14,6 +14,7 @@
 //! the diagnosis of a structure; [`identification`].
 
 pub mod acceptance;
+pub mod adaptation;
 pub mod answer;
 pub mod certificates;
 pub mod check;

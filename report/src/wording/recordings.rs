@@ -6,7 +6,7 @@ use counterpoise_diagnose::recording::gap_repair::Repair;
 use counterpoise_diagnose::recording::instrument_faults::{
     FaultKind, InstrumentFault, Treatment, UnitMistake,
 };
-use counterpoise_diagnose::recording::remarks::{Comparison, HeaveTreatment, RecordingRemark};
+use counterpoise_diagnose::recording::remarks::{ComparisonState, HeaveTreatment, RecordingRemark};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, Meaning, Standstill};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::column_remarks::BeyondRange;
@@ -75,9 +75,9 @@ pub fn describe_recorded_map(found: RecordedMap) -> ResponseMap {
 
 /// Returns a map with its remarks in sentences.
 pub fn describe_map(map: ResponseMap<MapRemark>) -> ResponseMap {
-    let ResponseMap { name, around, signals, recording, points, simulated_s, remarks } = map;
+    let ResponseMap { name, around, signals, recording, points, summary, simulated_s, remarks } = map;
     let remarks = remarks.into_iter().map(describe_map_remark).collect();
-    ResponseMap { name, around, signals, recording, points, simulated_s, remarks }
+    ResponseMap { name, around, signals, recording, points, summary, simulated_s, remarks }
 }
 
 fn describe_map_remark(remark: MapRemark) -> String {
@@ -168,8 +168,8 @@ pub fn describe_remark(remark: &RecordingRemark) -> String {
         }
         RecordingRemark::Checked { remark, comparison } => {
             let end = match comparison {
-                Comparison::Compared => "",
-                Comparison::NotCompared => "; it is not compared",
+                ComparisonState::Compared => "",
+                ComparisonState::NotCompared => "; it is not compared",
             };
             format!(
                 "{}: {}: {}{end}",
@@ -179,7 +179,7 @@ pub fn describe_remark(remark: &RecordingRemark) -> String {
             )
         }
         RecordingRemark::Shortened { recording, used_s, length_s, most_samples } => format!(
-            "{recording}: the first {used_s:.4} s of {length_s:.4} s are used, for {most_samples} samples in all are what is replayed"
+            "{recording}: the first {used_s:.4} s of {length_s:.4} s are used, because a replay has at most {most_samples} samples in all"
         ),
     }
 }

@@ -4,7 +4,7 @@ use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_models::structure::Support;
 use counterpoise_pipeline::recordings::measured_modes::StructureAnswer;
 use counterpoise_pipeline::recordings::structure_hypotheses::{
-    Change, End, FittedParameter, FittedValue, Hypothesis, Scale,
+    Change, End, FittedParameter, FittedStructureValue, Hypothesis, Scale,
 };
 
 /// Describes how the structure was supported when its modes were measured.
@@ -25,7 +25,7 @@ pub fn name_parameter(parameter: FittedParameter) -> &'static str {
 }
 
 /// Describes a fitted number.
-pub fn describe_fitted(fitted: &FittedValue) -> String {
+pub fn describe_fitted(fitted: &FittedStructureValue) -> String {
     format!("{} {:.4}", name_parameter(fitted.parameter), fitted.value)
 }
 

@@ -58,7 +58,7 @@ impl<'a> Fit<'a> {
         Self { controller, read, control, spread }
     }
 
-    /// Returns recorded less computed control; 0 where the control was not recorded or stood at the converter's limit.
+    /// Returns recorded less computed control; 0 if the control was not recorded or stood at the converter's limit.
     fn residuals(&self, states: &[f64]) -> Vec<f64> {
         let mut runner = self.controller.runner().with_states(states);
         let one = |(readings, recorded): (&Readings, &f64)| {

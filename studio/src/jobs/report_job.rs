@@ -5,10 +5,8 @@ use std::sync::Arc;
 
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::files::{self, ProjectFolder};
-use counterpoise_pipeline::results::{DesignResult, ResultContents};
-use counterpoise_pipeline::studies::advice::KeptDesigns;
-use counterpoise_pipeline::studies::assumptions::LoopSystems;
-use counterpoise_pipeline::{FirstDesignResult, World, design_project};
+use counterpoise_pipeline::results::DesignResult;
+use counterpoise_pipeline::{DesignContents, FirstDesignResult, design_project};
 use counterpoise_project::{Assumption, Project};
 use counterpoise_report::design::DesignRun;
 use counterpoise_report::wording::code_header::HeaderText;
@@ -36,15 +34,10 @@ pub struct ReportRequest {
 /// # Errors
 /// Returns why the report cannot be made or written.
 pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
-    let designed = design_project(&request.project, &HeaderText, &request.folder)
+    let contents = DesignContents { assumptions: &request.assumptions, ..DesignContents::default() };
+    let designed = design_project(&request.project, &contents, &HeaderText, &request.folder)
         .map_err(|error| error_lines(&error).join("; "))?;
-    let contents = ResultContents {
-        assumptions: &request.assumptions,
-        systems: LoopSystems::LeftOut,
-        kept: KeptDesigns::Systems,
-    };
-    let result = DesignResult::complete(&request.project, &designed, &contents, request.folder.pool())
-        .map_err(|error| error_lines(&error).join("; "))?;
+    let result = DesignResult::complete(&designed);
     let (code, project) = (&designed.targets.code, request.project_path.display().to_string());
     let first_design = designed.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {

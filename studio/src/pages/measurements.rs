@@ -200,7 +200,7 @@ fn show_row(ui: &mut Ui, view: &StudioView, result: &CampaignView, index: usize)
     shown.on_hover_text(&name)
 }
 
-/// Returns the parameter that moves a figure most, in words: "either way" if any departure from the design does.
+/// Returns the parameter that moves a figure most, in words: "either way" if any deviation from the design does.
 fn strongest_in_words(strongest: &StrongestParameter) -> String {
     let either = if strongest.sense == Sense::EitherWay { "either way " } else { "" };
     format!("{} ({either}{:+.2})", strongest.key.replace('_', " "), strongest.correlation)

@@ -141,8 +141,8 @@ fn show_operating_point(
             ui.label(RichText::new("damping").small().color(weak));
             ui.end_row();
             for pole in comparison.iter().flat_map(|c| &c.poles) {
-                ui.label(format_short(view.units.display_frequency(pole.norm())));
-                ui.label(format_short(counterpoise_lti::damping_ratio(*pole)));
+                ui.label(format_short(view.units.display_frequency(pole.modulus_rad_s)));
+                ui.label(format_short(pole.damping_ratio));
                 ui.end_row();
             }
         });

@@ -51,9 +51,9 @@ pub fn show(
     let mut shown = ShownTiles::new(view, queue, place, draw);
     tree.ui(&mut shown, &mut inside);
     if let (true, Some(before), Some(dragged), Some(at)) = (shown.is_dropped, before, dragged, at)
-        && let Some(mended) = mend_drop(place, &PlotDrop { before: &before, after: &tree, dragged, at })
+        && let Some(repaired) = mend_drop(place, &PlotDrop { before: &before, after: &tree, dragged, at })
     {
-        tree = mended;
+        tree = repaired;
     }
     view.tiles.put_tree(place, tree);
 }

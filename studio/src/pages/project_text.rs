@@ -1,4 +1,4 @@
-//! The page Text: the project file as text with its errors in place, so that a broken file is mended in the window.
+//! The page Text: the project file as text with its errors in place, so that a broken file is corrected in the window.
 //!
 //! What is typed is an edit like every other: it goes to the journal, is undone, and the design follows.
 
@@ -133,7 +133,7 @@ fn show_errors(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Command>, sessi
             let text = "The text is a project. What is typed is designed and verified at once; Ctrl+Z undoes it.";
             ui.label(RichText::new(text).small().color(theme.weak));
         } else {
-            let text = "A click or Shift+F8 leads to the place. Until all are mended, the pages show the last project that had none.";
+            let text = "A click or Shift+F8 leads to the place. Until all are corrected, the pages show the last project that had none.";
             ui.label(RichText::new(text).small().color(theme.weak));
         }
         for error in errors {
@@ -150,7 +150,7 @@ fn show_errors(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Command>, sessi
 fn show_part_error(ui: &mut Ui, theme: &WindowTheme, error: &Diagnostic) {
     let place = format!("{}, line {}: {}", error.file, error.line, error_message(error));
     ui.label(RichText::new(place).small());
-    let text = "This file is included: mend it in an editor, then read the project again.";
+    let text = "This file is included: correct it in an editor, then read the project again.";
     ui.label(RichText::new(text).small().color(theme.weak));
 }
 

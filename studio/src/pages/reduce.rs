@@ -182,14 +182,14 @@ fn show_modes(
         ui.end_row();
         let (mut states, [whole, kept]) = (0, comparison.states);
         for pole in &comparison.poles {
-            states += if pole.im > 0.0 { 2 } else { 1 };
+            states += pole.states;
             let hint = format!("keep {states} of {whole} states");
             let label = ui.selectable_label(states <= kept, states.to_string()).on_hover_text(hint);
             if label.clicked() && states < whole {
                 choose_order(queue, method, states);
             }
-            ui.label(format_short(view.units.display_frequency(pole.norm())));
-            ui.label(format_short(counterpoise_lti::damping_ratio(*pole)));
+            ui.label(format_short(view.units.display_frequency(pole.modulus_rad_s)));
+            ui.label(format_short(pole.damping_ratio));
             ui.end_row();
         }
     });

@@ -2,11 +2,7 @@
 
 use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_project::Project;
-use counterpoise_verify::measure::{history_figures, loop_figures};
-use counterpoise_verify::{
-    LoopFigure, MeasuredFigure, Model, PerformanceFigure, Requirement, StepFigure, Value, Verdict,
-    Verification,
-};
+use counterpoise_verify::{MeasuredFigure, Requirement, Value, Verdict, Verification};
 
 use crate::editing::limit_paths::limit_paths;
 use crate::editing::session::Session;
@@ -72,7 +68,7 @@ impl Requirements {
 /// Returns every requirement of a project. Figures of the linear loop are those of the design, which follows a dragged weight at
 /// once; the others are those of the verification.
 fn requirement_values(project: &Project, sources: ValueSources) -> Vec<RequirementValue> {
-    let live = sources.design.map(live_figures).unwrap_or_default();
+    let live = sources.design.map(DesignPreview::live_figures).unwrap_or_default();
     let requirements =
         project.verify.as_ref().map(|verify| verify.requirements.as_slice()).unwrap_or_default();
     let verified = |requirement: &Requirement| {
@@ -105,23 +101,4 @@ fn judge_again(requirement: &Requirement, verdict: &Verdict) -> Verdict {
         Verdict::Holds { value, .. } | Verdict::Fails { value, .. } => requirement.judge(*value),
         Verdict::NotApplicable { .. } => verdict.clone(),
     }
-}
-
-/// Returns the figures that a design shows without a verification: those of the loop but its poles, and those of the step that do not depend
-/// on how long it is watched.
-fn live_figures(design: &DesignPreview) -> Vec<MeasuredFigure> {
-    let is_stable = design.margins.closed_loop_stable;
-    let pole_radius = if is_stable { 0.0 } else { f64::INFINITY };
-    let mut figures = loop_figures(&design.margins, pole_radius);
-    figures.extend(history_figures(&design.step, 0.0));
-    figures.retain(|measured| {
-        matches!(
-            measured.figure,
-            PerformanceFigure::Step(
-                Model::Linear,
-                StepFigure::Overshoot | StepFigure::RiseTime | StepFigure::PeakTime | StepFigure::ControlPeak
-            )
-        ) || matches!(measured.figure, PerformanceFigure::Loop(figure) if figure != LoopFigure::PoleRadius)
-    });
-    figures
 }

@@ -201,7 +201,7 @@ impl Studio {
         self.is_history_read_due = true;
         self.restore_view(loaded.settings);
         if self.opened.as_ref().is_some_and(|opened| opened.session.project().is_none()) {
-            // a file that was never read has nothing to show but its text, where it is mended
+            // a file that was never read has nothing to show but its text, where it is corrected
             self.run(&Command::NextError);
         }
     }

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use counterpoise_pipeline::live_figures::SensitivityPoints;
 use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_project::{Document, Project};
-use counterpoise_verify::measure::{Value, loop_figures};
 use counterpoise_verify::{
-    Arrangement, LoopFigure, Model, PerformanceFigure, Quantity, Source, Verdict, Verification,
+    Arrangement, LoopFigure, Model, PerformanceFigure, Quantity, Source, Value, Verdict, Verification,
 };
 
 use super::Studio;
@@ -17,7 +17,6 @@ use crate::editing::design_history::{DesignHistory, KeptVerdict, NamedDesign};
 use crate::editing::weight_text::{design_sections, replace_design_sections, weight_differences};
 use crate::jobs::history_file::{HistoryFile, HistoryJob, HistoryOutcome, history_path};
 use crate::results::VerificationState;
-use crate::tolerance::SMALLEST_MODULUS;
 
 /// Points of the curve of a thumbnail: enough for a line of 150 pixels, and one readable line of the file.
 const THUMBNAIL_POINTS: usize = 32;
@@ -76,7 +75,7 @@ impl Studio {
                 HistoryFileState::Readable
             }
             Err(damage) => HistoryFileState::Damaged(format!(
-                "{name}, line {}: {}. Mend this line, or take back the last good version of the file; until it can be read, nothing is written into it.",
+                "{name}, line {}: {}. Correct this line, or take back the last good version of the file; until it can be read, nothing is written into it.",
                 damage.line, damage.message
             )),
         };
@@ -285,8 +284,7 @@ fn describe_design(
 ) -> NamedDesign {
     let controlled = design.synthesised.controlled;
     let mut figures = BTreeMap::new();
-    let pole_radius = if design.margins.closed_loop_stable { 0.0 } else { f64::INFINITY };
-    for measured in loop_figures(&design.margins, pole_radius) {
+    for measured in design.loop_figures() {
         if let (PerformanceFigure::Loop(figure), Value::Is(value)) = (measured.figure, measured.value)
             && LOOP_FIGURES.contains(&figure)
         {
@@ -305,9 +303,9 @@ fn describe_design(
         }
     }
     figures.retain(|_, value| value.is_finite());
-    let ThumbnailCurve { ends_hz, sensitivity_db } = thumbnail_curve(design);
+    let SensitivityPoints { ends_hz, modulus_db } = design.sensitivity_points(THUMBNAIL_POINTS);
     let name = name.to_owned();
-    NamedDesign { name, sensitivity_hz: ends_hz, sensitivity_db, weights, figures, verdicts }
+    NamedDesign { name, sensitivity_hz: ends_hz, sensitivity_db: modulus_db, weights, figures, verdicts }
 }
 
 /// Returns the RMS hub rates with the whole controller on the full plant.
@@ -324,26 +322,4 @@ fn kept_verdict(verdict: &Verdict) -> KeptVerdict {
         Verdict::Fails { .. } => KeptVerdict::Fails,
         Verdict::NotApplicable { .. } => KeptVerdict::Open,
     }
-}
-
-/// The curve of a thumbnail: its first and last frequency, and the sensitivity at equal ratios between them.
-struct ThumbnailCurve {
-    ends_hz: [f64; 2],
-    sensitivity_db: Vec<f64>,
-}
-
-/// Returns the curve of the thumbnail of a design.
-fn thumbnail_curve(design: &DesignPreview) -> ThumbnailCurve {
-    let frequencies = &design.curves.frequency_hz;
-    let response = design.curves.sensitivities.first().map(|curve| &curve.response);
-    let (Some(first), Some(last), Some(response)) = (frequencies.first(), frequencies.last(), response)
-    else {
-        return ThumbnailCurve { ends_hz: [1.0, 1.0], sensitivity_db: Vec::new() };
-    };
-    let point = |k: usize| {
-        let wanted = first * (last / first).powf(k as f64 / (THUMBNAIL_POINTS - 1) as f64);
-        let at = frequencies.partition_point(|hz| *hz < wanted).min(response.len().saturating_sub(1));
-        20.0 * response[at].norm().max(SMALLEST_MODULUS).log10()
-    };
-    ThumbnailCurve { ends_hz: [*first, *last], sensitivity_db: (0..THUMBNAIL_POINTS).map(point).collect() }
 }

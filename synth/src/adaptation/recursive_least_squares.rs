@@ -119,7 +119,7 @@ impl RecursiveLeastSquares {
         ]
     }
 
-    /// Returns 1 where the platform is lively, 0 inside the dead-band.
+    /// Returns 1 if the platform is lively, 0 inside the dead-band.
     fn gate(&self) -> f64 {
         let dead_band = self.settings.dead_band_m_s2;
         if dead_band == 0.0 {

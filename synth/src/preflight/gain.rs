@@ -29,7 +29,7 @@ impl Gain {
         Ok(Self { response, moduli, largest })
     }
 
-    /// Returns the modulus at a frequency over the largest; 1 where it is infinite, 0 where the system is zero.
+    /// Returns the modulus at a frequency over the largest; 1 if it is infinite, 0 if the system is zero.
     pub fn relative_modulus(&self, rate: f64) -> Result<f64, Error> {
         if self.largest == 0.0 {
             return Ok(0.0);

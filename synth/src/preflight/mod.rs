@@ -18,10 +18,10 @@ use crate::finding::{DesignFinding, Part};
 use crate::tolerance::{CONJUGATE, DELAY_PHASE, ON_AXIS, OUT_OF_REACH, VANISHES, ZERO_GAIN};
 use crate::{DesignPlant, DisturbanceChannel, Error, FeedbackWeights, Reference, Specification, Weight};
 
-/// Returns every finding about a plant and a specification, refusals first; empty where nothing stands in the way.
+/// Returns every finding about a plant and a specification, refusals first; empty if nothing stands in the way.
 ///
 /// # Errors
-/// [`Error`] where the plant itself is not one (wrong indices, a sensor with two inputs).
+/// [`Error`] if the plant itself is not one (wrong indices, a sensor with two inputs).
 pub fn preflight(plant: &DesignPlant, specification: &Specification) -> Result<Vec<DesignFinding>, Error> {
     let mut findings = check_plant(plant)?;
     findings.extend(check_feedback(plant, &specification.feedback, specification.reference)?);

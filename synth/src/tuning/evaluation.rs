@@ -16,7 +16,7 @@ use crate::tolerance::{FAR_BELOW_LIMIT, POLE_STEP};
 pub(crate) struct Evaluation {
     /// ln of the residual rate, on each plant.
     pub objectives: Vec<Row>,
-    /// Relative excess over each limit; at most 0 where it is kept. Each peak near its limit has a row.
+    /// Relative excess over each limit; at most 0 if it is kept. Each peak near its limit has a row.
     pub limits: Vec<Row>,
     /// The second-order part of the objective on the worst plant (Gauss and Newton's), row by row.
     pub curvature: Vec<Vec<f64>>,
@@ -28,7 +28,7 @@ impl Evaluation {
         self.objectives.iter().map(|row| row.value).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Returns what the worst limit is exceeded by; 0 where all are kept.
+    /// Returns what the worst limit is exceeded by; 0 if all are kept.
     pub fn worst_exceedance(&self) -> f64 {
         self.limits.iter().map(|row| row.value).fold(0.0, f64::max)
     }

@@ -71,7 +71,7 @@ impl Weight {
     /// Returns a stable system with the modulus |W(jw)|, poles on the axis kept: what an error weight becomes.
     ///
     /// # Errors
-    /// [`Error::Weight`] where the weight has more zeros than poles, or a number that is not finite.
+    /// [`Error::Weight`] if the weight has more zeros than poles, or a number that is not finite.
     pub fn realise(&self) -> Result<StateSpace, Error> {
         let mirrored = self.rational().mirror_to_left();
         if mirrored.relative_degree() < 0 {
@@ -86,7 +86,7 @@ impl Weight {
     /// inherits its roll-off.
     ///
     /// # Errors
-    /// [`Error::Weight`] where the weight has more poles than zeros (it vanishes at high frequency), is zero, or holds
+    /// [`Error::Weight`] if the weight has more poles than zeros (it vanishes at high frequency), is zero, or holds
     /// a number that is not finite.
     pub fn realise_inverse(&self) -> Result<StateSpace, Error> {
         let inverse = self.rational().mirror_to_left().inverse();

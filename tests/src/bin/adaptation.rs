@@ -6,7 +6,7 @@
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
-use counterpoise_tests::adaptation::{Case, trial};
+use counterpoise_tests::adaptation::{AdaptationCase, trial};
 use counterpoise_tests::run_in_parallel;
 
 fn main() -> ExitCode {
@@ -31,7 +31,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-fn print(cases: &[Case]) {
+fn print(cases: &[AdaptationCase]) {
     let is_detailed = std::env::var_os("COUNTERPOISE_EVERY_TRIAL").is_some();
     println!(
         "| seed | mechanism | acts | hub rate over that without adaptation, worst trial | least share removed | refused |"
@@ -70,7 +70,7 @@ fn print(cases: &[Case]) {
             );
         }
     }
-    let count = |what: &dyn Fn(&&Case) -> bool| cases.iter().filter(what).count();
+    let count = |what: &dyn Fn(&&AdaptationCase) -> bool| cases.iter().filter(what).count();
     println!(
         "\n{} mechanisms, {} with adaptation; never worse than none: {}; at least 80 % removed: {}; refused: {}",
         cases.len(),

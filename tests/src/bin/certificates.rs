@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
 use counterpoise_project::Project;
-use counterpoise_tests::certificates::{Row, scheduled_trials, trial};
+use counterpoise_tests::certificates::{CertificateRow, scheduled_trials, trial};
 use counterpoise_tests::run_in_parallel;
 use counterpoise_verify::certificate::Stability;
 
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn certify(range: &str) -> Result<Vec<Row>, String> {
+fn certify(range: &str) -> Result<Vec<CertificateRow>, String> {
     let usage = || format!("{range}: write FROM..TO, for example 0..300");
     let (from, to) = range.split_once("..").ok_or_else(usage)?;
     let number = |text: &str| text.parse::<u64>().map_err(|_| usage());
@@ -37,7 +37,7 @@ fn certify(range: &str) -> Result<Vec<Row>, String> {
     run_in_parallel(to.saturating_sub(from) as usize, &|k| {
         let seed = from + k as u64;
         let found = trial(seed, &base).into_iter().chain(scheduled_trials(seed, &base));
-        let found: Vec<Row> = found.collect();
+        let found: Vec<CertificateRow> = found.collect();
         rows.lock().unwrap_or_else(PoisonError::into_inner).extend(found);
     });
     let mut rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -45,7 +45,7 @@ fn certify(range: &str) -> Result<Vec<Row>, String> {
     Ok(rows)
 }
 
-fn print(rows: &[Row]) {
+fn print(rows: &[CertificateRow]) {
     println!(
         "| seed | blocks | certificate | rest, noise floors | growth in motion | rest, run | cycle, certificate | cycle, run set moving at its amplitude | proof | worst regime |"
     );
@@ -105,8 +105,8 @@ fn print(rows: &[Row]) {
     summary(rows);
 }
 
-fn summary(rows: &[Row]) {
-    let count = |what: &dyn Fn(&&Row) -> bool| rows.iter().filter(what).count();
+fn summary(rows: &[CertificateRow]) {
+    let count = |what: &dyn Fn(&&CertificateRow) -> bool| rows.iter().filter(what).count();
     let quiet = count(&|row| row.is_quiet());
     let stable = count(&|row| row.is_quiet() && row.is_stable());
     println!("\n{} mechanisms, {} contradictions", rows.len(), count(&|row| row.contradicts()));
@@ -114,7 +114,7 @@ fn summary(rows: &[Row]) {
         "quiet: {quiet}, of which called stable: {stable} ({:.1} %)",
         100.0 * stable as f64 / quiet as f64
     );
-    let cycles: Vec<[f64; 2]> = rows.iter().filter_map(Row::cycle_errors).collect();
+    let cycles: Vec<[f64; 2]> = rows.iter().filter_map(CertificateRow::cycle_errors).collect();
     let within = cycles.iter().filter(|[a, f]| a.abs() <= 0.2 && f.abs() <= 0.05).count();
     let certified = count(&|row| row.kicked.is_some());
     let confirmed = count(&|row| row.is_confirmed() == Some(true));

@@ -184,7 +184,7 @@ fn errors(sealed: &SealedAnswer, answer: &Answer) -> Vec<f64> {
 }
 
 /// The change that a concealed effect makes beside the others to the most changed channel of any recording, in floors; a
-/// fault of the platform's own sensors changes no motion, and counts by the misfit that it makes.
+/// fault of the platform's own sensors changes no motion, and counts by the residual that it leaves.
 fn size(case: &Case, index: usize, answer: &Answer) -> f64 {
     if case.sealed.concealed[index].component.starts_with("platform") {
         let over = |f: &PooledFit| (f.pooled_residual_over_floor().powi(2) - 1.0).max(0.0).sqrt();

@@ -38,7 +38,7 @@ impl Run {
         self.rms_rad_s.is_infinite()
     }
 
-    /// Returns whether the motion repeats itself: both halves of the run move alike, without bursts that stand out.
+    /// Returns whether the motion repeats itself: both halves of the run have the same motion, without bursts that stand out.
     pub fn is_periodic(&self) -> bool {
         let halves = self.second_half_rad_s / self.first_half_rad_s;
         (halves - 1.0).abs() <= ALIKE_HALVES && self.amplitude_rad_s <= MOST_CREST * self.second_half_rad_s

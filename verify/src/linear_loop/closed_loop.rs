@@ -35,7 +35,7 @@ impl ClosedLoop {
     /// Closes the loop with `controller`, or leaves it open where there is none.
     ///
     /// # Errors
-    /// [`Error::Period`] where the clocks differ; those of the connection.
+    /// [`Error::Period`] if the clocks differ; those of the connection.
     pub fn new(
         plant: &SampledPlant,
         controller: Option<&Controller>,

@@ -40,7 +40,7 @@ pub struct Sample {
     pub index: usize,
     /// The factor of each variation.
     pub factors: Vec<f64>,
-    /// The figure of each requirement; NaN where there is no such number, infinite where the loop diverges.
+    /// The figure of each requirement; NaN if there is no such number, infinite if the loop diverges.
     pub values: Vec<f64>,
 }
 
@@ -111,7 +111,7 @@ impl Campaign {
     /// Returns the quantiles of a sample, one a variation.
     ///
     /// # Errors
-    /// [`Error::Range`] where there is no such sample.
+    /// [`Error::Range`] if there is no such sample.
     pub fn quantiles(&self, index: usize) -> Result<Vec<f64>, Error> {
         let none = Error::Range {
             what: "number of the sample",
@@ -124,7 +124,7 @@ impl Campaign {
     /// Returns the factors of a sample.
     ///
     /// # Errors
-    /// [`Error::Range`] where there is no such sample.
+    /// [`Error::Range`] if there is no such sample.
     pub fn factors(&self, index: usize) -> Result<Vec<f64>, Error> {
         let point = self.quantiles(index)?;
         Ok(self
@@ -180,7 +180,7 @@ impl Campaign {
         Ok(Sample { index, factors, values })
     }
 
-    /// Returns some figures of the mechanism with the given factors, with the sensor noise of a sample; NaN where there is no such number.
+    /// Returns some figures of the mechanism with the given factors, with the sensor noise of a sample; NaN if there is no such number.
     ///
     /// # Errors
     /// As [`figures_of`].
@@ -204,7 +204,7 @@ impl Campaign {
     /// Returns the numbers of the samples of one shard of `shards`: neighbouring, all together every sample once.
     ///
     /// # Errors
-    /// [`Error::Range`] where there is no such shard.
+    /// [`Error::Range`] if there is no such shard.
     pub fn shard(&self, shard: usize, shards: usize) -> Result<Range<usize>, Error> {
         if shards == 0 || shard >= shards {
             return Err(Error::Range {
@@ -229,7 +229,7 @@ impl Campaign {
 /// Puts the samples of shards together, by number.
 ///
 /// # Errors
-/// [`Error::Length`] where samples are missing or there are too many, [`Error::Range`] where one comes twice.
+/// [`Error::Length`] if samples are missing or there are too many, [`Error::Range`] if one comes twice.
 pub fn merge_shards(campaign: &Campaign, shards: Vec<Vec<Sample>>) -> Result<Vec<Sample>, Error> {
     let mut all: Vec<Sample> = shards.into_iter().flatten().collect();
     all.sort_by_key(|sample| sample.index);

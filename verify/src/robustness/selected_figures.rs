@@ -13,7 +13,7 @@ use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, l
 use crate::verification::{linear_history, linear_plant, rejection_figures};
 use crate::{Arrangement, Error, MissingReason, Model, PerformanceFigure, Procedure, nonlinear_runs};
 
-/// Measures `wanted`, in that order: infinite where the loop diverges, absent where there is no such number.
+/// Measures `wanted`, in that order: infinite if the loop diverges, absent if there is no such number.
 ///
 /// # Errors
 /// As [`crate::verify`].

@@ -14,7 +14,7 @@ pub struct Summary {
     pub median: f64,
     /// 95 % quantile.
     pub q95: f64,
-    /// Largest value; infinite where a sample diverged.
+    /// Largest value; infinite if a sample diverged.
     pub highest: f64,
     /// Share of the samples that meet the requirement, of those that could be judged.
     pub share: f64,
@@ -40,7 +40,7 @@ pub struct ParameterInfluence {
 pub enum Sense {
     /// The factor: more of it raises the figure, or lowers it.
     Directed,
-    /// The factor's distance from 1 in either direction, |ln factor|: whatever departs from the design.
+    /// The factor's distance from 1 in either direction, |ln factor|: whatever differs from the design.
     EitherWay,
 }
 
@@ -72,7 +72,7 @@ pub fn summarise_requirement(campaign: &Campaign, samples: &[Sample], requiremen
 }
 
 /// Returns the parameters by the size of their rank correlation with the requirement's figure, strongest first. A figure that any
-/// departure from the design spoils (the rejection by a feedforward) has no order in the factor itself: then its distance from 1 is
+/// deviation from the design spoils (the rejection by a feedforward) has no order in the factor itself: then its distance from 1 is
 /// compared.
 pub fn rank_parameters(
     campaign: &Campaign,

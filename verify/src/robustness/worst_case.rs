@@ -26,7 +26,7 @@ pub struct WorstMechanism {
 /// of the true worst case.
 ///
 /// # Errors
-/// [`Error::Length`] where no sample can be judged, and those of the campaign.
+/// [`Error::Length`] if no sample can be judged, and those of the campaign.
 pub fn worst_case(
     campaign: &Campaign,
     samples: &[Sample],
@@ -79,7 +79,7 @@ impl Search<'_> {
         self.campaign.quantiles(sample.index)
     }
 
-    /// The figure there; NaN where there is no mechanism, at the end of a range that begins at 0.
+    /// The figure there; NaN if there is no mechanism, at the end of a range that begins at 0.
     fn value(&mut self, quantiles: &[f64]) -> Result<f64, Error> {
         self.tried += 1;
         let figure = self.campaign.requirements()[self.requirement].figure;

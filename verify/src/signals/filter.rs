@@ -27,7 +27,7 @@ struct Section {
 /// backwards, the ends continued by point reflection. The amplitude at a frequency f is 1 / (1 + (f/f0)^8) up to warping.
 ///
 /// # Errors
-/// [`Error::Range`] where the frequency is not between 0 and half the sample rate, [`Error::NotFinite`].
+/// [`Error::Range`] if the frequency is not between 0 and half the sample rate, [`Error::NotFinite`].
 pub fn low_pass(samples: &[f64], sample_period_s: f64, filter: LowPass) -> Result<Vec<f64>, Error> {
     check_finite("signal to low-pass", samples)?;
     let relative = filter.half_amplitude_hz * sample_period_s;

@@ -14,7 +14,7 @@ pub fn rms(samples: &[f64]) -> f64 {
     }
 }
 
-/// Returns the largest modulus; 0 of an empty series, NaN where a sample is NaN.
+/// Returns the largest modulus; 0 of an empty series, NaN if a sample is NaN.
 pub fn peak(samples: &[f64]) -> f64 {
     samples.iter().map(|v| v.abs()).fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
 }

@@ -7,7 +7,7 @@ use crate::tolerance::{EVEN_SPACING, FEWEST_STEP_SAMPLES, RISE_FROM_TO, SETTLING
 /// Figures of the response to a step from rest to `demand`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepFigures {
-    /// Excess of the largest value over the demand, percent of the demand; 0 where there is none.
+    /// Excess of the largest value over the demand, percent of the demand; 0 if there is none.
     pub overshoot_percent: f64,
     /// From 10 % to 90 % of the demand; `None` if 90 % is never reached.
     pub rise_time_s: Option<f64>,

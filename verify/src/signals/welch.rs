@@ -38,7 +38,7 @@ pub struct Spectra {
     pub radius: Vec<f64>,
     /// 20 log10 |Pxy / Pxx|, dB: the disturbance rejection ratio where x is the platform's motion and y the hub's.
     pub ratio_db: Vec<f64>,
-    /// The lower and upper limit of the ratio in dB; the lower limit is minus infinity where the disk holds 0.
+    /// The lower and upper limit of the ratio in dB; the lower limit is minus infinity if the disk holds 0.
     pub interval_db: Vec<[f64; 2]>,
     /// Phase of Pxy / Pxx, degrees from -180 to 180.
     pub phase_deg: Vec<f64>,
@@ -64,7 +64,7 @@ impl Spectra {
 /// *Random Data*, section 9.2, with the F quantile for 2 and n - 2 degrees of freedom in closed form.
 ///
 /// # Errors
-/// [`Error::Length`] where the series differ or hold fewer than two segments, [`Error::NotFinite`], [`Error::Range`] for a segment
+/// [`Error::Length`] if the series differ or hold fewer than two segments, [`Error::NotFinite`], [`Error::Range`] for a segment
 /// that is odd or short, a sample period that is not positive or a confidence outside (0, 1).
 pub fn welch(x: &[f64], y: &[f64], sample_period_s: f64, options: WelchOptions) -> Result<Spectra, Error> {
     check(x, y, sample_period_s, options)?;
@@ -192,7 +192,7 @@ impl Sums {
     }
 }
 
-/// a / b, and 0 where b is 0: a bin without excitation says nothing.
+/// a / b, and 0 if b is 0: a bin without excitation says nothing.
 fn ratio(a: f64, b: f64) -> f64 {
     if b > 0.0 { a / b } else { 0.0 }
 }

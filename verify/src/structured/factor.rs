@@ -9,7 +9,7 @@ use crate::tolerance::INSIDE_REACH;
 ///     f(delta) = centre (1 + a delta) / (1 + b delta),     f(-1) = lowest, f(0) = centre, f(1) = highest
 /// ```
 ///
-/// The centre is 1 where 1 lies inside the range, its middle otherwise. A range that is even about 1 gives b = 0; one that is even
+/// The centre is 1 if 1 lies inside the range, its middle otherwise. A range that is even about 1 gives b = 0; one that is even
 /// in the logarithm gives b = -a.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Factor {

@@ -4,11 +4,11 @@ use counterpoise_linalg::{C64, CMat};
 
 /// A lower triangular L with F = L L*.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Factor {
+pub struct HermitianFactor {
     L: CMat,
 }
 
-impl Factor {
+impl HermitianFactor {
     /// Returns the factor of a Hermitian matrix, of which the lower triangle is read; `None` if it is not positive definite. n^3
     /// / 3 multiplications.
     pub fn of(F: &CMat) -> Option<Self> {
@@ -67,9 +67,9 @@ mod tests {
     fn the_inverse_and_the_determinant_are_those_of_the_matrix() {
         let c = C64::new;
         let F = CMat::from_rows(&[[c(2.0, 0.0), c(0.5, -1.0)], [c(0.5, 1.0), c(3.0, 0.0)]]);
-        let factor = Factor::of(&F).unwrap();
+        let factor = HermitianFactor::of(&F).unwrap();
         assert!((factor.log_det() - (6.0_f64 - 1.25).ln()).abs() < 1e-14);
         assert!((&(&F * &factor.inverse()) - &CMat::eye(2)).norm_max() < 1e-14);
-        assert!(Factor::of(&F.scale(c(-1.0, 0.0))).is_none());
+        assert!(HermitianFactor::of(&F.scale(c(-1.0, 0.0))).is_none());
     }
 }

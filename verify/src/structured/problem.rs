@@ -35,7 +35,7 @@ pub struct Bounds {
     pub frequency_hz: f64,
     /// mu is below this.
     pub upper: f64,
-    /// mu is at least this; 0 where no perturbation was found.
+    /// mu is at least this; 0 if no perturbation was found.
     pub lower: f64,
 }
 

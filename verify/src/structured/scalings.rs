@@ -13,7 +13,7 @@ use counterpoise_linalg::{C64, CMat};
 
 use super::PerturbationStructure;
 use super::blocks::PerturbationBlock;
-use super::hermitian::Factor;
+use super::hermitian::HermitianFactor;
 use crate::tolerance::{
     BOUND_RATIO, SCALING_BEHIND, SCALING_DECREMENT, SCALING_FIRST, SCALING_FLOOR, SCALING_GAIN, SCALING_NEAR,
     SCALING_NEWTON, SCALING_REGULAR, SCALING_SHORTEST_STEP, SCALING_STEPS,
@@ -33,7 +33,8 @@ pub struct UpperBound {
 impl UpperBound {
     /// Returns whether the scalings prove the bound for a matrix: the definition, evaluated.
     pub fn proves(&self, M: &CMat) -> bool {
-        Factor::of(&self.D).is_some() && Slack::of(M, &self.D, &self.G).factor(self.beta.powi(2)).is_some()
+        HermitianFactor::of(&self.D).is_some()
+            && Slack::of(M, &self.D, &self.G).factor(self.beta.powi(2)).is_some()
     }
 }
 
@@ -53,8 +54,8 @@ impl<'a> Slack<'a> {
     }
 
     /// Returns its Cholesky factor at a gamma; `None` if it is not positive definite there.
-    fn factor(&self, gamma: f64) -> Option<Factor> {
-        Factor::of(&(&(&self.D.scale(C64::new(gamma, 0.0)) - &self.passed) - &self.turned))
+    fn factor(&self, gamma: f64) -> Option<HermitianFactor> {
+        HermitianFactor::of(&(&(&self.D.scale(C64::new(gamma, 0.0)) - &self.passed) - &self.turned))
     }
 }
 
@@ -177,7 +178,8 @@ impl<'a> Search<'a> {
             floor: SCALING_FLOOR * SCALING_FLOOR * size,
         };
         if let Some(Scalings { D, G }) = near {
-            let proved = Factor::of(&D).is_some() && Slack::of(M, &D, &G).factor(1.01 * size).is_some();
+            let proved =
+                HermitianFactor::of(&D).is_some() && Slack::of(M, &D, &G).factor(1.01 * size).is_some();
             if proved {
                 (search.D, search.G) = (D, G);
             }
@@ -221,7 +223,7 @@ impl<'a> Search<'a> {
         high
     }
 
-    /// Moves to the analytic centre of the pairs that prove the present gamma; false where no step was possible.
+    /// Moves to the analytic centre of the pairs that prove the present gamma; false if no step was possible.
     fn centre(&mut self) -> bool {
         let mut moved = false;
         for _ in 0..SCALING_NEWTON {
@@ -241,7 +243,7 @@ impl<'a> Search<'a> {
     fn barrier(&self, D: &CMat, G: &CMat) -> Option<f64> {
         let rest = &CMat::eye(D.nrows()) - D;
         let of_slack = Slack::of(self.M, D, G).factor(self.gamma)?.log_det();
-        let sum = of_slack + Factor::of(D)?.log_det() + Factor::of(&rest)?.log_det();
+        let sum = of_slack + HermitianFactor::of(D)?.log_det() + HermitianFactor::of(&rest)?.log_det();
         Some(0.5 * SCALING_REGULAR * G.norm_fro().powi(2) - sum)
     }
 
@@ -279,8 +281,8 @@ impl<'a> Search<'a> {
         let V = CMat::eye(n).vstack(self.M);
         let inverse = Slack::of(self.M, &self.D, &self.G).factor(self.gamma)?.inverse();
         let P = &(&V * &inverse) * &V.h();
-        let PD = Factor::of(&self.D)?.inverse();
-        let PR = Factor::of(&(&CMat::eye(n) - &self.D))?.inverse();
+        let PD = HermitianFactor::of(&self.D)?.inverse();
+        let PR = HermitianFactor::of(&(&CMat::eye(n) - &self.D))?.inverse();
         let wide: Vec<Vec<Entry>> = self.directions.iter().map(|d| multiplier(d, n, self.gamma)).collect();
         let count = wide.len();
         let mut gradient = vec![C64::new(0.0, 0.0); count];
@@ -305,7 +307,7 @@ impl<'a> Search<'a> {
             }
         }
         let mut step = gradient.clone();
-        Factor::of(&H)?.solve_in_place(&mut step);
+        HermitianFactor::of(&H)?.solve_in_place(&mut step);
         let decrement = gradient.iter().zip(&step).map(|(g, s)| g.re * s.re).sum();
         Some((step.iter().map(|s| -s.re).collect(), decrement))
     }

@@ -1,0 +1,19 @@
+//! What commands print of a result, in lines. Tables of channels, whose heads depend on the machine's signals, and paths of written files are printed
+//! by the command line itself.
+//!
+//! Modules in the order of the commands: [`model`], [`synthesis`], [`search`], [`verdicts`], [`sweep`], [`identification`], [`diagnosis`].
+
+pub mod diagnosis;
+pub mod identification;
+pub mod model;
+pub mod search;
+pub mod sweep;
+pub mod synthesis;
+pub mod verdicts;
+
+/// Adds a line to lines, as `println!` would print it.
+macro_rules! add_line {
+    ($lines:expr) => { $lines.push(String::new()) };
+    ($lines:expr, $($text:tt)*) => { $lines.push(format!($($text)*)) };
+}
+pub(crate) use add_line;
