@@ -42,6 +42,7 @@ const EXAMPLES: &[Example] = &[
     example("verify", &["verify", "examples/reference-rig"]),
     example("verify-line-of-sight", &["verify", "examples/gun-recoil"]),
     example("export", &["export", "examples/reference-rig", "-o", "OUT"]),
+    example(CONTROLLER, &["export", "examples/adaptation", "-o", "OUT"]),
     example("fra", &["fra", "examples/reference-rig", "--amplitudes", "0.2,0.02", "--frequencies", "1:10:3"]),
     example("replay", &["replay", "examples/left-out-friction", "examples/left-out-friction/steps.parquet"]),
     example(
@@ -78,6 +79,9 @@ const EXAMPLES: &[Example] = &[
     example("sweep", &["sweep", "RIG", "-o", "OUT"]),
     example("claims", &["claims", "--only", "C6", "--report", "OUT/claims.html"]),
 ];
+
+/// The example whose result is the file of the controller that stands beside the code.
+const CONTROLLER: &str = "controller";
 
 const INTRODUCTION: &str = "# JSON results
 
@@ -207,6 +211,7 @@ fn run(example: &Example, quick: &BriefProjects) -> Value {
         .output()
         .unwrap();
     assert!(done.status.code() != Some(2), "{}: {}", example.name, String::from_utf8_lossy(&done.stderr));
+    let result = if example.name == CONTROLLER { out.join("controller.json") } else { result };
     serde_json::from_str(&fs::read_to_string(result).unwrap()).unwrap()
 }
 
@@ -301,9 +306,14 @@ fn section(example: &Example) -> String {
         let kind = if kind.is_empty() { "" } else { &kind };
         format!("| `{key}` | {kind} | {} |\n", shown.replace('|', "\\|"))
     });
+    let (option, result) = match example.name {
+        CONTROLLER => ("", "`design` and `export` write `controller.json` beside the code"),
+        _ => (" --json", "The result"),
+    };
     format!(
-        "## `{}`\n\n    counterpoise {command} --json\n\nThe result is {kind}.\n\n| key | type | example |\n|---|---|---|\n{}",
+        "## `{}`\n\n    counterpoise {command}{option}\n\n{result}{}.\n\n| key | type | example |\n|---|---|---|\n{}",
         example.name.replace("-modes", "` without recordings, `[measured]"),
+        if example.name == CONTROLLER { format!(": {kind}") } else { format!(" is {kind}") },
         rows.collect::<String>()
     )
 }

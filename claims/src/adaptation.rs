@@ -1,13 +1,12 @@
 //! Claims on an out-of-balance that changes during a run, and on its estimation.
 
-use counterpoise_controller::{Controller, SampledController};
+use counterpoise_controller::Controller;
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
+use counterpoise_project::resolve::synthesis_options::{AdaptationMethod, AdaptationOptions, Compensation};
 use counterpoise_simulate::{Initial, PlatformMotion, Scenario, Signal, Simulator};
 use counterpoise_synth::adaptation::{self, Scale};
-use counterpoise_synth::{
-    AdaptiveController, Estimation, RecursiveLeastSquares, RecursiveSettings, WindowedMean,
-};
+use counterpoise_synth::{AdaptiveController, Estimation, RecursiveLeastSquares, RecursiveSettings};
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
@@ -15,13 +14,15 @@ use super::drawing::{ClaimCurve, make_figure, make_panel, time_axis};
 use super::identification::with_amplifier;
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::RETURNED;
-use counterpoise_pipeline::PipelineError;
+use counterpoise_pipeline::{PipelineError, build_plant_model, reduce_plant, synthesise};
 use counterpoise_plot::{Axis, Figure as Drawing, Panel, Point};
 
 /// Shares of the out-of-balance, one after the other, and how long each lasts, s: whole cycles of heave, pitch and window.
 const SHARES: [f64; 5] = [1.0, 0.75, 0.37, 1.48, 1.0];
 const INTERVAL_S: f64 = 20.0;
 const WINDOW_S: f64 = 2.0;
+/// Memory of least squares, s: an interval is judged ten seconds after its load changed.
+const MEMORY_S: f64 = 3.0;
 /// RMS over this last part of each interval.
 const JUDGED: f64 = 0.5;
 
@@ -29,9 +30,8 @@ const JUDGED: f64 = 0.5;
 #[derive(Clone, Copy, PartialEq)]
 enum LoadSource {
     Nobody,
-    Mean,
-    Squares,
     Truth,
+    Estimate(AdaptationMethod),
 }
 
 fn sine(s: &Sine) -> Signal {
@@ -71,32 +71,49 @@ fn volts_per_kg_m(p: &Parameters) -> f64 {
     p.gravity_m_s2 / torque_per_volt
 }
 
-fn estimation(
-    tested: &TestedDesign<'_>,
-    scale: Scale,
-    start_kg_m: f64,
-    telling: LoadSource,
-) -> Result<Estimation, PipelineError> {
-    let sample_period_s = tested.parameters().interface.sample_period_s;
-    if telling == LoadSource::Mean {
-        return Ok(Estimation::Mean(WindowedMean::new(
-            scale,
-            (WINDOW_S / sample_period_s).round() as usize,
-        )?));
-    }
+/// Returns the estimator of a machine that nothing is known of.
+fn blank_estimation(tested: &TestedDesign<'_>, scale: Scale) -> Result<Estimation, PipelineError> {
     let squares = RecursiveLeastSquares::new(RecursiveSettings {
         scale,
-        memory_s: 3.0,
-        sample_period_s,
+        memory_s: MEMORY_S,
+        sample_period_s: tested.parameters().interface.sample_period_s,
         dead_band_m_s2: 0.1,
         half_rate_rad_s: 2e-3,
         rate_limit_kg_m_s: 50.0,
-        start_kg_m,
+        start_kg_m: 0.0,
         start_deviation_kg_m: 100.0,
         filter_s: 0.0,
         inertia_v_s2_rad: [0.0; 2],
     })?;
     Ok(Estimation::Squares(Box::new(squares)))
+}
+
+/// Returns the controller that a design exports for a machine, with the estimator of its out-of-balance if it has one, and with the inverse of the
+/// amplifier's curve if that is measured.
+fn exported_controller(
+    tested: &TestedDesign<'_>,
+    machine: &Parameters,
+    telling: LoadSource,
+) -> Result<Controller, PipelineError> {
+    let mut project = tested.observing_project.clone();
+    project.plant.amplifier = machine.amplifier.clone();
+    let mut synth = project.synth.take().unwrap_or_default();
+    if !machine.amplifier.map.is_empty() {
+        synth.options.amplifier_curve = Compensation::Applied;
+    }
+    synth.options.adaptation = match telling {
+        LoadSource::Nobody | LoadSource::Truth => None,
+        LoadSource::Estimate(method) => Some(AdaptationOptions {
+            method,
+            window_s: WINDOW_S,
+            memory_s: MEMORY_S,
+            ..AdaptationOptions::usual()
+        }),
+    };
+    project.synth = Some(synth);
+    let modelled = build_plant_model(&project)?;
+    let reduced = reduce_plant(&project, &modelled)?;
+    Ok(synthesise(&project, &modelled, &reduced)?.sampled.controller)
 }
 
 /// Returns the RMS hub rate, mrad/s, over the last part of each interval, the out-of-balance stepping between
@@ -107,14 +124,7 @@ fn intervals(
     telling: LoadSource,
 ) -> Result<Vec<f64>, PipelineError> {
     let moment = nominal_moment(base);
-    let mut controller = tested.observed.runner();
-    let mut adaptive = match telling {
-        LoadSource::Mean | LoadSource::Squares => {
-            let estimation = estimation(tested, scale(tested, base, base.gravity_m_s2), moment, telling)?;
-            Some(AdaptiveController::new(tested.observed.runner(), estimation))
-        }
-        LoadSource::Nobody | LoadSource::Truth => None,
-    };
+    let mut controller = exported_controller(tested, base, telling)?.runner();
     let mut initial = Initial::Rest { hub_angle_rad: 0.0 };
     let mut found = Vec::new();
     for share in SHARES {
@@ -123,12 +133,8 @@ fn intervals(
         if telling == LoadSource::Truth {
             controller.set_out_of_balance(share * moment);
         }
-        let acting: &mut dyn SampledController = match &mut adaptive {
-            Some(adaptive) => adaptive,
-            None => &mut controller,
-        };
-        let run =
-            Simulator::new(&Plant::from_lumped(&machine)?)?.run(acting, &heave_scenario(tested, initial))?;
+        let plant = Plant::from_lumped(&machine)?;
+        let run = Simulator::new(&plant)?.run(&mut controller, &heave_scenario(tested, initial))?;
         let rates = run.truth.hub_rate_rad_s();
         let first = ((1.0 - JUDGED) * rates.len() as f64) as usize;
         found.push(1e3 * rms(&rates[first..]));
@@ -159,13 +165,14 @@ pub fn adapted_feedforward(tested: &TestedDesign<'_>) -> Result<Claim, PipelineE
         let of = |telling| intervals(tested, machine, telling);
         let (nobody, mean, squares, truth) = (
             of(LoadSource::Nobody)?,
-            of(LoadSource::Mean)?,
-            of(LoadSource::Squares)?,
+            of(LoadSource::Estimate(AdaptationMethod::WindowedMean))?,
+            of(LoadSource::Estimate(AdaptationMethod::Recursive))?,
             of(LoadSource::Truth)?,
         );
         let most = |rates: &[f64]| rates.iter().copied().fold(0.0, f64::max) / truth[0];
         let changed = |rates: &[f64]| rates[1..4].iter().copied().fold(f64::INFINITY, f64::min) / truth[0];
         criteria.extend(adaptation_criteria(name, most(&mean), most(&truth), changed(&nobody)));
+        criteria.push(squares_criterion(name, most(&squares), most(&truth)));
         lowest.push(mean[2] / truth[0]);
         panels.push(interval_panel(name, [&nobody, &mean, &squares, &truth]));
         lines.push(format!(
@@ -217,6 +224,18 @@ fn adaptation_criteria(name: &str, adapted: f64, truth: f64, unadapted: f64) -> 
     ]
 }
 
+/// Returns what is asked of least squares, which are the default of the exported controller.
+fn squares_criterion(name: &str, adapted: f64, truth: f64) -> Criterion {
+    Criterion::at_most(
+        &format!("{name}: adapted by least squares, largest hub rate over the default"),
+        "returns",
+        adapted,
+        RETURNED,
+        "half more is 3.5 dB",
+    )
+    .with_explained_range(RETURNED, RETURNED * truth)
+}
+
 /// Returns the four ways to tell the controller, interval by interval.
 fn interval_panel(name: &str, [nobody, mean, squares, truth]: [&[f64]; 4]) -> Panel {
     let over =
@@ -254,7 +273,7 @@ pub fn imbalance_without_gravity(tested: &TestedDesign<'_>) -> Result<Claim, Pip
     for share in [0.37, 0.75, 1.0, 1.48] {
         let mut machine = weightless.clone();
         machine.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m *= share);
-        let estimation = estimation(tested, scale(tested, &machine, 0.0), 0.0, LoadSource::Squares)?;
+        let estimation = blank_estimation(tested, scale(tested, &machine, 0.0))?;
         let mut adaptive = AdaptiveController::new(no_bias.runner(), estimation);
         let initial = Initial::Rest { hub_angle_rad: 0.0 };
         Simulator::new(&Plant::from_lumped(&machine)?)?

@@ -8,8 +8,11 @@ use crate::PathSignal;
 ///
 /// ```text
 ///     phi = (g cos(theta) + a_p, w / (|w| + w0), w, 1)        v = phi p
-///     M   = p_0 / volts_per_kg_m_s2 to `hold_band_kg_m`, moved by at most `rate_limit_kg_m_s` T a sample, kept inside the range
+///     M   = p_0 / volts_per_kg_m_s2, moved by at most `rate_limit_kg_m_s` T a sample, kept inside the range
 /// ```
+///
+/// M stands still until the estimate differs from it by more than `hold_band_kg_m`. It is then followed until the estimate itself
+/// has moved by no more than a quarter of the band for `follow_samples`: M then stands still again, at a settled estimate.
 ///
 /// with theta the hub's position reading, a_p the platform's acceleration reading, w the rate. How p is learnt is the
 /// [`Learning`]. It acts on the feedforward's gain and the bias only: no estimate can make the linear loop unstable.
@@ -32,6 +35,9 @@ pub struct Estimator {
     /// makes nothing worse. 0 for none.
     #[serde(default)]
     pub hold_band_kg_m: f64,
+    /// Number of samples for which an estimate must stand before it is no longer followed; 0 to follow it to the edge of the hold band only.
+    #[serde(default)]
+    pub follow_samples: u32,
     /// Number of samples before the out-of-balance in force begins to follow the estimate.
     pub hold_samples: u32,
 }

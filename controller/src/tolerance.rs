@@ -44,6 +44,11 @@ pub(crate) const BREAKS_FROM: f64 = 0.98;
 pub(crate) const WHOLE: f64 = 1.21;
 /// Share of gravity that the mean over a window counts at least: a hub held beyond 60 degrees is not divided by.
 pub(crate) const LEAST_LIFT: f64 = 0.5;
+/// Share of the hold band within which a followed estimate counts as settled. A quarter leaves a changed load wrong by at most a quarter of the band and what is still to
+/// come after the wait; less would follow the noise of the estimate for ever.
+pub(crate) const SETTLED_SHARE: f64 = 0.25;
+/// Width over which a switch of the hold band rises, relative to its limit: a jump there would be one of the control.
+pub(crate) const SWITCH_WIDTH: f64 = 0.01;
 /// Most that what a sample tells may count, against all samples before it: beyond, the gain is as good as this one.
 pub(crate) const MOST_TOLD: f64 = 1e9;
 /// A variance over its start at which forgetting begins to fade.

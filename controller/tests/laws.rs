@@ -171,6 +171,7 @@ fn estimating(learning: Learning, gravity_m_s2: f64) -> Controller {
         volts_per_kg_m_s2: 0.002,
         rate_limit_kg_m_s: f64::INFINITY,
         hold_band_kg_m: 0.0,
+        follow_samples: 0,
         hold_samples: 0,
     });
     Controller::new(parts).unwrap()
@@ -213,6 +214,47 @@ fn least_squares_find_the_out_of_balance_exactly() {
             (used_moment(&controller, &double.states()), used_moment(&controller, &single.states()));
         assert!((found - 90.0).abs() < 0.02, "{found}");
         assert!((small - 90.0).abs() < 0.1, "single precision: {small}");
+    }
+}
+
+/// A load that leaves the hold band is followed until the estimate has settled, and not to the edge of the band; one that stays within the
+/// band is not followed at all.
+#[test]
+fn an_estimate_that_leaves_the_hold_band_is_followed_until_it_settles() {
+    let learning = Learning::Squares {
+        forget: 0.999,
+        dead_band_m_s2: 0.2,
+        deviation: [0.3, 10.0, 10.0, 10.0],
+        filter_s: 0.0,
+        inertia_v_s2_rad: [0.0; 2],
+    };
+    let held = |follow_samples| {
+        let band = |parts: &mut Parts| {
+            let estimator = parts.estimator.as_mut().unwrap();
+            (estimator.hold_band_kg_m, estimator.follow_samples) = (6.0, follow_samples);
+        };
+        estimating(learning.clone(), 9.81).with(band).unwrap()
+    };
+    let (settles, to_the_edge) = (held(2000), held(0));
+    let mut runners = [settles.runner(), to_the_edge.runner()];
+    let mut used = Vec::new();
+    for (part, load) in [90.0, 93.0, 105.0, 90.0].into_iter().enumerate() {
+        for k in 0..15_000 {
+            let mut readings = machine(15_000 * part + k, 9.81, 0.0);
+            let lift = 9.81 * readings[5].cos() + readings[3];
+            readings[0] += 0.002 * (load - 90.0) * lift;
+            for runner in &mut runners {
+                runner.step_array(&readings);
+            }
+        }
+        let controllers = [&settles, &to_the_edge];
+        used.push([0, 1].map(|i| used_moment(controllers[i], &runners[i].states()) - load));
+    }
+    let expected = [[0.0, 6.0], [-3.0, 3.0], [0.0, -6.0], [0.0, 6.0]];
+    for (found, expected) in used.iter().zip(expected) {
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 0.2, "{used:?}");
+        }
     }
 }
 

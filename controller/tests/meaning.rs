@@ -161,6 +161,7 @@ fn the_estimator_finds_the_out_of_balance_under_friction() {
         half_rate_rad_s: 0.01,
         learning: Learning::Gradient { step: 0.05, scale: [0.1, 1.0, 1.0] },
         hold_band_kg_m: 0.0,
+        follow_samples: 0,
         hold_samples: 0,
         volts_per_kg_m_s2: 0.002,
         rate_limit_kg_m_s: 50.0,

@@ -36,6 +36,7 @@ fn learning(learning: Learning, gravity_m_s2: f64, hold_samples: u32) -> Control
             volts_per_kg_m_s2: 0.019 / 9.80665,
             rate_limit_kg_m_s: f64::INFINITY,
             hold_band_kg_m: 0.0,
+            follow_samples: 0,
             hold_samples,
         });
     })

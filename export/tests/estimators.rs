@@ -43,6 +43,7 @@ fn estimating(learning: Learning, gravity_m_s2: f64) -> Controller {
         volts_per_kg_m_s2: VOLTS_PER_KG_M / GRAVITY,
         rate_limit_kg_m_s: 200.0,
         hold_band_kg_m: 0.0,
+        follow_samples: 0,
         hold_samples: 300,
     });
     Controller::new(parts).unwrap()

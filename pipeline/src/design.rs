@@ -65,6 +65,12 @@ impl DesignStages {
         study_two_axes(elevation, self.traverse.as_ref().map(|axis| axis.design.clone()), world)
     }
 
+    /// Returns what to change for each requirement that fails.
+    fn advise(&self, project: &Project) -> Result<Vec<WeightAdvice>, PipelineError> {
+        let Self { modelled, reduced, procedure, verified, .. } = self;
+        advise_changes(project, modelled, reduced, procedure, verified.verification(), KeptDesigns::Systems)
+    }
+
     /// Returns the effect of each assumption on the design; none if the linear loop cannot be judged.
     fn assumption_effects(
         &self,
@@ -81,12 +87,6 @@ impl DesignStages {
     fn error_budget(&self, kept: KeptDesigns) -> Result<Option<ErrorBudgetResult>, PipelineError> {
         let verified = &self.verified;
         error_budget_result(verified.verification(), &self.modelled.plant, verified.controller(), kept)
-    }
-
-    /// Returns what to change for each requirement that fails.
-    fn advise(&self, project: &Project) -> Result<Vec<WeightAdvice>, PipelineError> {
-        let Self { modelled, reduced, procedure, verified, .. } = self;
-        advise_changes(project, modelled, reduced, procedure, verified.verification(), KeptDesigns::Systems)
     }
 }
 

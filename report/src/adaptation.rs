@@ -163,6 +163,8 @@ fn load(load: TrialLoad) -> &'static str {
         TrialLoad::WrongStart => "estimate 30 % low",
         TrialLoad::Sudden => "30 % more, sudden",
         TrialLoad::Slow => "30 % more, slow",
+        TrialLoad::Lower => "30 % less, sudden",
+        TrialLoad::Returned => "30 % more, and back",
     }
 }
 

@@ -46,6 +46,7 @@ fn carrying(learning: Learning, gravity_m_s2: f64) -> Controller {
         volts_per_kg_m_s2: VOLTS,
         rate_limit_kg_m_s: 400.0,
         hold_band_kg_m: 0.0,
+        follow_samples: 0,
         hold_samples: 0,
     });
     Controller::new(parts).unwrap()

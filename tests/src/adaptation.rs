@@ -33,9 +33,15 @@ impl AdaptationCase {
         self.rows.iter().max_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
-    /// Returns whether no trial is worse than without adaptation by more than the noise.
+    /// Returns whether no trial is worse than without adaptation by more than the noise, and none with a smaller load or one that returns by more than that for which a
+    /// method is refused.
     pub fn is_never_worse(&self) -> bool {
-        self.rows.iter().all(|row| row.ratio() <= 1.0 + NOISE)
+        self.rows.iter().all(|row| match row.load {
+            TrialLoad::Lower | TrialLoad::Returned => !row.is_harmful(),
+            TrialLoad::Nominal | TrialLoad::WrongStart | TrialLoad::Sudden | TrialLoad::Slow => {
+                row.ratio() <= 1.0 + NOISE
+            }
+        })
     }
 
     /// Returns the least share removed of what a changed load adds on road and multisine; `None` if it adds too little to tell.

@@ -4,10 +4,11 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_controller::{Controller, READINGS};
+use counterpoise_controller::{READINGS, Runner};
+use counterpoise_models::plant::Plant;
 use counterpoise_models::{FrictionLaw, Parameters};
-use counterpoise_pipeline::studies::certificate::certify_controller;
-use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
+use counterpoise_pipeline::studies::certificate::{certified_cases, certify_controller};
+use counterpoise_pipeline::{PlantModel, SynthesisedDesign, build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
     AdaptationMethod, AdaptationOptions, AdaptationRuns, AdaptationUse, ObserverFriction, ObserverOptions,
@@ -15,7 +16,7 @@ use counterpoise_project::resolve::synthesis_options::{
 };
 use counterpoise_synth::{Drives, Weight};
 use counterpoise_verify::Procedure;
-use counterpoise_verify::certificate::{CaseCertificate, Stability};
+use counterpoise_verify::certificate::{CaseCertificate, CertifiedCase, Stability, StabilityCertificate};
 use counterpoise_verify::signals::period::fundamental_hz;
 
 use crate::sealed::Dice;
@@ -81,31 +82,93 @@ impl CertificateRow {
     }
 }
 
-/// Returns the trial of a seed; `None` if no controller exists for its weights.
+/// Returns the trial of a seed with the load that the controller was designed for; `None` if no controller exists for its weights.
 pub fn trial(seed: u64, base: &Project) -> Option<CertificateRow> {
     let mut dice = Dice::new(seed);
     let (project, blocks) = draw_case(base, &mut dice);
-    let modelled = build_plant_model(&project).ok()?;
-    let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).ok()?).ok()?;
-    let asked = project.verify.as_ref()?;
-    let procedure = Procedure { road: None, ..asked.procedure.clone() };
-    let mut alone = project.clone();
+    let drawn = DrawnDesign::new(project)?;
+    let mut alone = drawn.project.clone();
     if let Some(synth) = &mut alone.synth {
         synth.options.schedule = None;
     }
-    let found = certify_controller(&alone, &modelled, &made, &procedure)
+    let found = drawn.certify(&alone, seed);
+    let plant = &drawn.modelled.plant;
+    let controller = drawn.made.sampled.controller.runner();
+    Some(drawn.observe(
+        CertificateRow::new(seed, blocks, found.cases[0].clone()),
+        plant,
+        &controller,
+        &mut dice,
+    ))
+}
+
+/// Returns the trials of a seed with every other load of its schedule, of which the controller is told; none without a schedule.
+pub fn scheduled_trials(seed: u64, base: &Project) -> Vec<CertificateRow> {
+    let (project, blocks) = draw_case(base, &mut Dice::new(seed));
+    let has_schedule = project.synth.as_ref().is_some_and(|synth| synth.options.schedule.is_some());
+    let Some(drawn) = has_schedule.then(|| DrawnDesign::new(project)).flatten() else { return Vec::new() };
+    let cases = certified_cases(&drawn.project, &drawn.modelled, &drawn.made)
         .unwrap_or_else(|error| panic!("{seed}: {error}"));
-    let controller = &made.sampled.controller;
-    let truth = machine(&modelled.parameters);
-    let still = |_: f64| Platform::default();
-    let moving = |t: f64| platform_at(&procedure, t);
-    let exported = (&modelled.parameters, controller);
-    let rest = run(&truth, exported.0, exported.1, &still, Start::Rest, &mut dice);
-    let motion = run(&truth, exported.0, exported.1, &moving, Start::Rest, &mut dice);
-    let certificate = found.cases[0].clone();
-    let kicked =
-        start(&certificate).map(|start| run(&truth, exported.0, exported.1, &still, start, &mut dice));
-    Some(CertificateRow { seed, blocks, certificate, rest, motion, kicked })
+    let found = drawn.certify(&drawn.project, seed);
+    let mut dice = Dice::new(seed + SCHEDULED);
+    let of_setting = |(case, certificate): (&CertifiedCase, &CaseCertificate)| {
+        let mut controller = drawn.made.sampled.controller.runner();
+        controller.set_out_of_balance(case.out_of_balance_kg_m);
+        let row = CertificateRow::new(seed, format!("{blocks}, {}", case.name), certificate.clone());
+        drawn.observe(row, &case.plant, &controller, &mut dice)
+    };
+    cases.iter().zip(&found.cases).skip(1).map(of_setting).collect()
+}
+
+/// What is added to a seed for the noise of the runs with the other loads of a schedule.
+const SCHEDULED: u64 = 1_000_000;
+
+impl CertificateRow {
+    fn new(seed: u64, blocks: String, certificate: CaseCertificate) -> Self {
+        let (rest, motion) = (RunObservation::default(), RunObservation::default());
+        Self { seed, blocks, certificate, rest, motion, kicked: None }
+    }
+}
+
+/// A mechanism and a controller that were drawn, designed.
+struct DrawnDesign {
+    project: Project,
+    modelled: PlantModel,
+    made: SynthesisedDesign,
+    procedure: Procedure,
+}
+
+impl DrawnDesign {
+    fn new(project: Project) -> Option<Self> {
+        let modelled = build_plant_model(&project).ok()?;
+        let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).ok()?).ok()?;
+        let procedure = Procedure { road: None, ..project.verify.as_ref()?.procedure.clone() };
+        Some(Self { project, modelled, made, procedure })
+    }
+
+    fn certify(&self, project: &Project, seed: u64) -> StabilityCertificate {
+        certify_controller(project, &self.modelled, &self.made, &self.procedure)
+            .unwrap_or_else(|error| panic!("{seed}: {error}"))
+    }
+
+    /// Runs the controller on the independent simulator at rest, in motion, and set moving in a certified limit cycle.
+    fn observe(
+        &self,
+        mut row: CertificateRow,
+        plant: &Plant,
+        controller: &Runner,
+        dice: &mut Dice,
+    ) -> CertificateRow {
+        let parameters = plant.parameters();
+        let truth = machine(parameters);
+        let still = |_: f64| Platform::default();
+        let moving = |t: f64| platform_at(&self.procedure, t);
+        row.rest = run(&truth, parameters, controller, &still, Start::Rest, dice);
+        row.motion = run(&truth, parameters, controller, &moving, Start::Rest, dice);
+        let kick = start(&row.certificate);
+        row.kicked = kick.map(|start| run(&truth, parameters, controller, &still, start, dice));
+        row
+    }
 }
 
 /// The start of the motion of a run, once the controller has settled.
@@ -240,12 +303,12 @@ fn platform_at(procedure: &Procedure, t: f64) -> Platform {
 fn run(
     truth: &Machine,
     p: &Parameters,
-    controller: &Controller,
+    controller: &Runner,
     platform: &dyn Fn(f64) -> Platform,
     start: Start,
     dice: &mut Dice,
 ) -> RunObservation {
-    let (period, mut runner, mut x) = (p.interface.sample_period_s, controller.runner(), truth.at_rest());
+    let (period, mut runner, mut x) = (p.interface.sample_period_s, controller.clone(), truth.at_rest());
     let samples = ((SETTLE_S + RUN_S) / period) as usize;
     let mut rates = Vec::with_capacity(samples);
     let ideal = |s: &Option<counterpoise_models::Sensor>| {

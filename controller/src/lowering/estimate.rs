@@ -5,7 +5,7 @@ use crate::lowering::schedule::{self, settable_moments};
 use crate::lowering::squares::squares;
 use crate::lowering::{Limits, States, Writer};
 use crate::program::{OnRestart, ProgramTerm, Slot};
-use crate::tolerance::LEAST_LIFT;
+use crate::tolerance::{LEAST_LIFT, SETTLED_SHARE, SWITCH_WIDTH};
 use crate::{Estimator, Learning};
 
 /// Writes the estimator's step.
@@ -97,8 +97,18 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
     let aim = writer.sum("aim_kg_m", &[1.0 / estimator.volts_per_kg_m_s2 * layout.estimate[0]]);
     let mut way = writer.sum("way_kg_m", &[1.0 * aim, -1.0 * layout.out_of_balance]);
     if estimator.hold_band_kg_m > 0.0 {
-        let inside = writer.clamp("held_way_kg_m", way, Limits::symmetric(estimator.hold_band_kg_m));
-        way = writer.sum("way_left_kg_m", &[1.0 * way, -1.0 * inside]);
+        way = match estimator.follow_samples {
+            0 => {
+                let inside = writer.clamp("held_way_kg_m", way, Limits::symmetric(estimator.hold_band_kg_m));
+                writer.sum("way_left_kg_m", &[1.0 * way, -1.0 * inside])
+            }
+            _ => {
+                let design_kg_m = parts.design_out_of_balance_kg_m;
+                let follows =
+                    write_follow_switch(&Followed { estimator, aim, way, design_kg_m }, states, writer);
+                writer.product("way_left_kg_m", way, follows)
+            }
+        };
     }
     if estimator.rate_limit_kg_m_s.is_finite() {
         let most = estimator.rate_limit_kg_m_s * parts.sample_period_s;
@@ -117,6 +127,48 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
         let sum = writer.sum("new_transfer_v", &[1.0 * before, -1.0 * after, 1.0 * transfer]);
         writer.copy(transfer, sum);
     }
+}
+
+/// An estimate that the out-of-balance in force follows once it has left the hold band.
+struct Followed<'a> {
+    estimator: &'a Estimator,
+    /// The estimate, kg m.
+    aim: Slot,
+    /// Way from the out-of-balance in force to it, kg m.
+    way: Slot,
+    /// The out-of-balance of the design, kg m.
+    design_kg_m: f64,
+}
+
+/// Writes a switch that is 1 from the sample in which the estimate leaves the hold band until it has moved by no more than
+/// [`SETTLED_SHARE`] of the band for `follow_samples`. The anchor is the estimate where the count began.
+fn write_follow_switch(of: &Followed<'_>, states: &mut States, writer: &mut Writer) -> Slot {
+    let (band, all) = (of.estimator.hold_band_kg_m, f64::from(of.estimator.follow_samples));
+    let left = states.scalar("follow_samples_left", 0.0, OnRestart::Restart);
+    let anchor = states.scalar("anchor_kg_m", of.design_kg_m, OnRestart::Restart);
+    let drift = writer.sum("drift_kg_m", &[1.0 * of.aim, -1.0 * anchor]);
+    let outside = write_excess("outside_band", of.way, band, writer);
+    let moved = write_excess("estimate_moved", drift, SETTLED_SHARE * band, writer);
+    let follows = writer.clamp("followed_before", left, Limits::UNIT);
+    let moves = writer.product("followed_moves", moved, follows);
+    let both = writer.sum("begins_sum", &[1.0 * outside, 1.0 * moves]);
+    let begins = writer.clamp("begins_again", both, Limits::UNIT);
+    let step = writer.product("anchor_step_kg_m", begins, drift);
+    let next = writer.sum("anchor_next_kg_m", &[1.0 * anchor, 1.0 * step]);
+    writer.copy(anchor, next);
+    let count = writer.local("follow_count");
+    writer.sum_into(count, Some(-1.0), &[1.0 * left, (all + 1.0) * begins]);
+    let kept = writer.clamp("follow_count_kept", count, Limits { low: 0.0, high: all });
+    writer.copy(left, kept);
+    writer.clamp("follows", kept, Limits::UNIT)
+}
+
+/// Writes a switch that rises from 0 to 1 while the size of a value exceeds a limit by up to [`SWITCH_WIDTH`].
+fn write_excess(name: &str, of: Slot, limit: f64, writer: &mut Writer) -> Slot {
+    let size = writer.magnitude(format!("{name}_size"), of);
+    let excess = writer.local(format!("{name}_excess"));
+    writer.sum_into(excess, Some(-1.0 / SWITCH_WIDTH), &[1.0 / (SWITCH_WIDTH * limit) * size]);
+    writer.clamp(name, excess, Limits::UNIT)
 }
 
 /// Writes a switch that is 0 for `hold_samples` samples and 1 after them.

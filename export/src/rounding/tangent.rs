@@ -256,6 +256,7 @@ mod tests {
             volts_per_kg_m_s2: 0.002,
             rate_limit_kg_m_s: f64::INFINITY,
             hold_band_kg_m: 0.0,
+            follow_samples: 0,
             hold_samples: 0,
         });
         Controller::new(parts).unwrap()

@@ -144,6 +144,7 @@ pub fn complete_controller() -> Controller {
             half_rate_rad_s: 0.01,
             learning: Learning::Gradient { step: 0.3, scale: [0.02, 0.1, 0.1] },
             hold_band_kg_m: 0.0,
+            follow_samples: 0,
             hold_samples: 0,
             volts_per_kg_m_s2: 0.019 / 9.80665,
             rate_limit_kg_m_s: 20.0,

@@ -159,9 +159,8 @@ impl Search<'_> {
                 MOTIONS.into_iter().zip(levels).filter(|(_, level)| **level > candidate.dead_band_m_s2);
             let rows =
                 self.adapted_trials(candidate, &acting.map(|(motion, _)| motion).collect::<Vec<_>>(), base)?;
-            let is_worse = |motion: TrialMotion| {
-                rows.iter().any(|row| row.motion == motion && row.ratio() > 1.0 + NEVER_WORSE)
-            };
+            let is_worse =
+                |motion: TrialMotion| rows.iter().any(|row| row.motion == motion && row.is_harmful());
             let worse = MOTIONS.into_iter().zip(levels).filter(|(motion, _)| is_worse(*motion));
             let Some(level) = worse.map(|(_, level)| *level).reduce(f64::max) else {
                 return Ok((candidate, rows));

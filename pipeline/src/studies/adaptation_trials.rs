@@ -17,7 +17,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::synth::controller_blocks::{dead_band_m_s2, hold_band};
-use crate::tolerance::{LEAST_ADDED, LEAST_ADDED_OVER_HYSTERESIS, REFUSED_ABOVE};
+use crate::tolerance::{LEAST_ADDED, LEAST_ADDED_OVER_HYSTERESIS, NEVER_WORSE, REFUSED_ABOVE};
 use crate::{PipelineError, PlantModel, SynthesisedDesign};
 
 /// One trial of one method: RMS of the hub rate once the load has settled. Its keys end in the unit of the axis: `with_m_s` on one that slides.
@@ -163,9 +163,23 @@ impl Serialize for TrialRow {
 }
 
 impl TrialRow {
-    /// Returns the hub rate with adaptation over that without.
+    /// Returns the hub rate with adaptation over that without. Where the load becomes less than designed, a controller that does not know it can
+    /// do better by luck than one that does, because what is left of the imbalance can cancel friction: there the ratio is to the larger of both.
     pub fn ratio(&self) -> f64 {
-        self.with_rad_s / self.without_rad_s
+        let known_rad_s = if self.load == TrialLoad::Lower { self.told_rad_s } else { 0.0 };
+        self.with_rad_s / self.without_rad_s.max(known_rad_s)
+    }
+
+    /// Returns whether the adaptation does harm. A load that has returned to the designed one is right without any adaptation, and the estimate
+    /// comes back to it but for its noise; of a smaller load friction hides more. On both harm begins where a method is refused.
+    pub fn is_harmful(&self) -> bool {
+        let allowed = match self.load {
+            TrialLoad::Lower | TrialLoad::Returned => REFUSED_ABOVE,
+            TrialLoad::Nominal | TrialLoad::WrongStart | TrialLoad::Sudden | TrialLoad::Slow => {
+                1.0 + NEVER_WORSE
+            }
+        };
+        self.ratio() > allowed
     }
 
     /// Returns by how much the hub rate without adaptation exceeds that with a known load, relative to it.

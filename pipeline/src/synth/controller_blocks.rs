@@ -29,8 +29,9 @@ const LOOSE: f64 = 10.0;
 /// Time within which the platform's pitch angle is the integral of its gyroscope, s. Vehicles and ships pitch faster than this; a bias of 1e-3 rad/s
 /// leaves 0.01 rad, a hundredth of surge. A longer time would follow slower pitch and let more of the bias through.
 const PITCH_WASHOUT_S: f64 = 10.0;
-/// Usual hold band. What the band leaves after a slow change is never learnt: 6 % left 24 % of the hub rate that a change of 30 % adds where
-/// no observer covers friction, 4 % leaves 18 %. On every example the out-of-balance stands still when nothing changes.
+/// Memories for which an estimate must stand before it is no longer followed: in two, what is still to come is less than a sixth of what was moved.
+const FOLLOWED_MEMORIES: f64 = 2.0;
+/// Usual hold band: a change of the load within it is never learnt. On every example the out-of-balance stands still when nothing changes.
 pub(crate) const HOLD_BAND: f64 = 0.04;
 
 /// Returns the sampled controller with the blocks beside its paths, checked again.
@@ -216,6 +217,7 @@ pub(crate) fn estimator(
         volts_per_kg_m_s2: volts,
         rate_limit_kg_m_s: if mean { f64::INFINITY } else { adaptation.rate_limit_kg_m_s },
         hold_band_kg_m: band * modelled.plant.body().out_of_balance_kg_m.abs(),
+        follow_samples: (FOLLOWED_MEMORIES * hold_s / p.interface.sample_period_s).round() as u32,
         hold_samples: (hold_s / p.interface.sample_period_s).round() as u32,
     }
 }

@@ -161,6 +161,31 @@ pub struct AdaptationOptions {
     pub use_in_code: AdaptationUse,
 }
 
+impl AdaptationOptions {
+    /// Returns the adaptation of a project that states none of its values.
+    pub fn usual() -> Self {
+        Self {
+            method: AdaptationMethod::Recursive,
+            window_s: 1.0,
+            // With 2 s the noise of the estimate raises the hub rate by 4 % on a road; with 8 s by 1 %, and a change of 30 % is still
+            // followed within 20 s (`counterpoise adapt`).
+            memory_s: 8.0,
+            dead_band_m_s2: None,
+            filter_s: 0.02,
+            hold_band: None,
+            step: 0.002,
+            half_rate_rad_s: 5e-3,
+            rate_limit_kg_m_s: 400.0,
+            trial: AdaptationRuns {
+                duration_s: 40.0,
+                changes: vec![1.0, 0.5, 1.25, 0.75],
+                amplifier_curve: Vec::new(),
+            },
+            use_in_code: AdaptationUse::Exported,
+        }
+    }
+}
+
 /// Use of the adaptation in the exported controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdaptationUse {
@@ -291,7 +316,7 @@ pub(crate) fn tables(v: &mut dyn Visit, options: &mut SynthesisOptions) {
     let section = TableField::optional("schedule", "designs for several states of out-of-balance");
     visit_optional(v, &section, &mut options.schedule, blank_schedule(), schedule);
     let section = TableField::optional("adaptation", "estimation of the out-of-balance from the control");
-    visit_optional(v, &section, &mut options.adaptation, blank_adaptation(), adaptation);
+    visit_optional(v, &section, &mut options.adaptation, AdaptationOptions::usual(), adaptation);
     let section = TableField::optional("search", "requirements from which weights are searched");
     visit_optional(v, &section, &mut options.search, blank_search(), search);
     let section =
@@ -403,30 +428,8 @@ fn schedule(v: &mut dyn Visit, schedule: &mut ScheduleOptions) {
     }
 }
 
-fn blank_adaptation() -> AdaptationOptions {
-    AdaptationOptions {
-        method: AdaptationMethod::Recursive,
-        window_s: 1.0,
-        // With 2 s the noise of the estimate raises the hub rate by 4 % on a road; with 8 s by 1 %, and a change of 30 % is still
-        // followed within 20 s (`counterpoise adapt`).
-        memory_s: 8.0,
-        dead_band_m_s2: None,
-        filter_s: 0.02,
-        hold_band: None,
-        step: 0.002,
-        half_rate_rad_s: 5e-3,
-        rate_limit_kg_m_s: 400.0,
-        trial: AdaptationRuns {
-            duration_s: 40.0,
-            changes: vec![1.0, 0.5, 1.25, 0.75],
-            amplifier_curve: Vec::new(),
-        },
-        use_in_code: AdaptationUse::Exported,
-    }
-}
-
 fn adaptation(v: &mut dyn Visit, a: &mut AdaptationOptions) {
-    let usual = blank_adaptation();
+    let usual = AdaptationOptions::usual();
     let method = "method of the estimator, which is part of the exported code";
     choose(v, &Field::new("method", method).or_text("recursive").show_default(), &mut a.method);
     match a.method {
@@ -470,7 +473,7 @@ fn adaptation(v: &mut dyn Visit, a: &mut AdaptationOptions) {
 }
 
 fn trial(v: &mut dyn Visit, trial: &mut AdaptationRuns) {
-    let usual = blank_adaptation().trial;
+    let usual = AdaptationOptions::usual().trial;
     let duration = Field::new("duration", "length of a run of `adapt`").unit("s").limit(ABOVE_0);
     v.number(&duration.or(usual.duration_s), &mut trial.duration_s);
     let changes = "factors on the out-of-balance, one for each equal part of a run";

@@ -54,10 +54,11 @@ fn add_stability(lines: &mut Vec<String>, found: &CampaignResult) {
     match &found.stability {
         Some(own) => {
             let is_at_rest = |at: &RegimeRobustness| at.joints == Joints::AtRest;
-            let joints =
-                if found.regimes.iter().any(is_at_rest) { Joints::Sliding } else { Joints::Frictionless };
+            let has_friction = found.regimes.iter().any(is_at_rest);
+            let joints = if has_friction { Joints::Sliding } else { Joints::Frictionless };
             let heading = certificate::worst_case_heading(joints);
-            robustness::robustness_lines(own).iter().for_each(|line| add_line!(lines, "{heading}: {line}"));
+            let own = robustness::robustness_lines(own);
+            own.iter().for_each(|line| add_line!(lines, "{heading}: {line}"));
         }
         None if !found.regimes.is_empty() => {}
         None => add_line!(
@@ -65,5 +66,6 @@ fn add_stability(lines: &mut Vec<String>, found: &CampaignResult) {
             "linear: no worst case, for nothing that enters the linear loop varies, or it is unstable as it is"
         ),
     }
-    certificate::robustness_lines(&found.regimes).iter().for_each(|line| add_line!(lines, "linear: {line}"));
+    let others = certificate::robustness_lines(&found.regimes);
+    others.iter().for_each(|line| add_line!(lines, "linear: {line}"));
 }

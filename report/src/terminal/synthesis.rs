@@ -63,8 +63,8 @@ fn add_comparison(lines: &mut Vec<String>, study: &SynthesisStudy) {
         let says = if found.largest_pole < 1.0 { "stable" } else { "NOT STABLE" };
         let (modes, order, pole) = (found.modes, found.order, found.largest_pole);
         add_line!(lines);
-        let modulus = describe_modulus(pole);
-        add_line!(lines, "on the beam with {modes} modes (order {order}): {says}, largest modulus {modulus}");
+        let pole = describe_modulus(pole);
+        add_line!(lines, "on the beam with {modes} modes (order {order}): {says}, largest modulus {pole}");
     }
 }
 
@@ -128,8 +128,10 @@ fn add_motions(lines: &mut Vec<String>, study: &SynthesisStudy) {
 
 fn add_total_cost(lines: &mut Vec<String>, beside: &DesignComparison) {
     let cost = total_cost_lines(beside.total_cost.as_ref());
-    cost.first().iter().for_each(|_| add_line!(lines));
-    lines.extend(cost);
+    if !cost.is_empty() {
+        lines.push(String::new());
+        lines.extend(cost);
+    }
 }
 
 fn add_balance(lines: &mut Vec<String>, study: &SynthesisStudy) {

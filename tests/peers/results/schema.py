@@ -3,7 +3,7 @@
     python3 tests/peers/results/schema.py PROGRAM [EXAMPLE...]
 
 Needs Python with jsonschema. Runs the commands that every project has, on every project of the examples (or on those named), and
-validates each result against the definition of its command in docs/reference/results.schema.json.
+validates each result, and the `controller.json` that `export` and `design` write, against the definition of its command in docs/reference/results.schema.json.
 """
 
 import json
@@ -36,15 +36,20 @@ def main():
     program, wrong, valid, refused = str(Path(sys.argv[1]).resolve()), 0, 0, 0
     for project in projects():
         for command in COMMANDS:
+            written = None
             with tempfile.TemporaryDirectory() as folder:
                 output = ["-o", folder] if command in ("export", "design") else []
                 done = subprocess.run(
                     [program, command, str(project), *output, "-q", "--json"], capture_output=True, text=True, check=False
                 )
+                controller = Path(folder) / "controller.json"
+                if controller.exists():
+                    written = json.loads(controller.read_text(encoding="utf-8"))
             if done.returncode not in (0, 1):
                 refused += 1
                 continue
             found = errors(command, json.loads(done.stdout))
+            found += errors("controller", written) if written else []
             valid, wrong = valid + (not found), wrong + bool(found)
             for error in found:
                 print(f"{project.relative_to(ROOT)}: {command}: {error}", flush=True)

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
 use counterpoise_project::Project;
-use counterpoise_tests::certificates::{CertificateRow, trial};
+use counterpoise_tests::certificates::{CertificateRow, scheduled_trials, trial};
 use counterpoise_tests::run_in_parallel;
 use counterpoise_verify::certificate::Stability;
 
@@ -35,9 +35,10 @@ fn certify(range: &str) -> Result<Vec<CertificateRow>, String> {
     let base = Project::parse(&text, "project.toml").map_err(|errors| format!("{path}: {errors:?}"))?.project;
     let rows = Mutex::new(Vec::new());
     run_in_parallel(to.saturating_sub(from) as usize, &|k| {
-        if let Some(row) = trial(from + k as u64, &base) {
-            rows.lock().unwrap_or_else(PoisonError::into_inner).push(row);
-        }
+        let seed = from + k as u64;
+        let found = trial(seed, &base).into_iter().chain(scheduled_trials(seed, &base));
+        let found: Vec<CertificateRow> = found.collect();
+        rows.lock().unwrap_or_else(PoisonError::into_inner).extend(found);
     });
     let mut rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
     rows.sort_by_key(|row| row.seed);

@@ -32,21 +32,34 @@ pub enum TrialLoad {
     Sudden,
     /// Thirty percent more, in ten steps over half the run.
     Slow,
+    /// Thirty percent less from one sample to the next.
+    Lower,
+    /// Thirty percent more from the start, which is taken away again once it has been learnt.
+    Returned,
 }
 
 /// Every motion of the platform that is tried.
 pub(crate) const MOTIONS: [TrialMotion; 3] = [TrialMotion::Sines, TrialMotion::Road, TrialMotion::Multisine];
 /// Every load that is tried.
-pub(crate) const LOADS: [TrialLoad; 4] =
-    [TrialLoad::Nominal, TrialLoad::WrongStart, TrialLoad::Sudden, TrialLoad::Slow];
+pub(crate) const LOADS: [TrialLoad; 6] = [
+    TrialLoad::Nominal,
+    TrialLoad::WrongStart,
+    TrialLoad::Sudden,
+    TrialLoad::Slow,
+    TrialLoad::Lower,
+    TrialLoad::Returned,
+];
 /// Change of the load, and error of a wrong starting value.
 pub(super) const CHANGE: f64 = 0.3;
 /// Length of a trial, s; its times are no whole number of any period.
 const LENGTH_S: f64 = 47.3;
 /// Instant at which a slow change ends, s.
 const SETTLED_S: f64 = 23.7;
-/// From when the hub rate is measured, s.
-pub(super) const MEASURED_S: f64 = 31.1;
+/// Length of the end of a trial in which the hub rate is measured, s.
+const MEASURED_END_S: f64 = 16.2;
+/// Instant at which a load that returns does so, s, and the length of that trial: what was learnt before must be forgotten.
+const RETURN_S: f64 = 15.9;
+const RETURNED_LENGTH_S: f64 = 79.3;
 /// Instant at which the load begins to change, s.
 const CHANGE_S: f64 = 7.9;
 /// Steps of a slow change.
@@ -88,7 +101,7 @@ fn road(procedure: &Procedure, gravity_m_s2: f64) -> Result<PlatformMotion, Pipe
             iso_road(drive, Vehicle::HEAVY, gravity_m_s2)?
         }
     };
-    let count = (LENGTH_S / road.sample_period_s) as usize + 2;
+    let count = (RETURNED_LENGTH_S / road.sample_period_s) as usize + 2;
     let again = |values: &[f64]| Signal::Samples {
         period_s: road.sample_period_s,
         values: values.iter().copied().cycle().take(count).collect(),
@@ -124,11 +137,20 @@ pub(super) struct Part {
     pub factor: f64,
 }
 
+/// Returns from when the hub rate of a run is measured, s.
+pub(super) fn measured_from_s(load: TrialLoad) -> f64 {
+    load_parts(load).last().map_or(0.0, |part| part.to_s - MEASURED_END_S)
+}
+
 /// Returns the parts of a run.
 pub(super) fn load_parts(load: TrialLoad) -> Vec<Part> {
     let part = |from_s, to_s, factor| Part { from_s, to_s, factor };
     match load {
         TrialLoad::Nominal | TrialLoad::WrongStart => vec![part(0.0, LENGTH_S, 1.0)],
+        TrialLoad::Lower => vec![part(0.0, CHANGE_S, 1.0), part(CHANGE_S, LENGTH_S, 1.0 - CHANGE)],
+        TrialLoad::Returned => {
+            vec![part(0.0, RETURN_S, 1.0 + CHANGE), part(RETURN_S, RETURNED_LENGTH_S, 1.0)]
+        }
         TrialLoad::Sudden => vec![part(0.0, CHANGE_S, 1.0), part(CHANGE_S, LENGTH_S, 1.0 + CHANGE)],
         TrialLoad::Slow => {
             let step_s = (SETTLED_S - CHANGE_S) / SLOW_STEPS as f64;

@@ -7,7 +7,7 @@ use counterpoise_simulate::{Imperfections, Initial, PlantState, PlatformMotion, 
 use counterpoise_verify::Procedure;
 
 use super::excitation::{
-    CHANGE, MEASURED_S, TrialLoad, TrialMotion, load_parts, motion_from, platform_motion,
+    CHANGE, TrialLoad, TrialMotion, load_parts, measured_from_s, motion_from, platform_motion,
 };
 use crate::synth::controller_blocks::estimator;
 use crate::synth::schedule::scale_imbalance;
@@ -96,7 +96,7 @@ impl Stage<'_> {
             state = Some(run.final_state);
         }
         let period_s = self.modelled.parameters.interface.sample_period_s;
-        let first = ((MEASURED_S / period_s) as usize).min(rates.len());
+        let first = ((measured_from_s(load) / period_s) as usize).min(rates.len());
         let peak_rms_m_s2 = watched.most_m2_s4.sqrt();
         Ok(TrialRun { hub_rate_rad_s: rates.split_off(first), peak_rms_m_s2 })
     }
