@@ -103,8 +103,8 @@ fn condition_with_where(comment: &str) -> Option<&str> {
             before.ends_with(']') && before.rsplit("[`").next().is_some_and(|path| path.contains("Reason::"));
         is_value || is_error || is_reason
     };
-    let places = comment.match_indices(" where ").map(|(at, _)| at);
-    places.into_iter().find(is_wrong).map(|at| &comment[..at + 6])
+    let mut places = comment.match_indices(" where ").map(|(at, _)| at);
+    places.find(is_wrong).map(|at| &comment[..at + 6])
 }
 
 #[test]
