@@ -30,7 +30,7 @@ use super::{export, first_design};
 use crate::exit::{CommandResult, verdict_code};
 use crate::options::{ResultOutput, WRITTEN};
 use crate::output;
-use counterpoise_host::projects::{self, ProjectWorld};
+use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 
 /// Arguments of `design`.
 #[derive(Args)]
@@ -69,12 +69,7 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     }
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let contents = DesignContents {
-        assumptions: &loaded.assumptions,
-        systems: options.results.loop_systems(),
-        kept: if options.histories { KeptDesigns::Histories } else { KeptDesigns::Systems },
-    };
-    let designed = design_project(&loaded.project, &contents, &HeaderText, &world)?;
+    let designed = design_project(&loaded.project, &asked_contents(options, &loaded), &HeaderText, &world)?;
     let mut result = DesignResult::complete(&designed);
     let code = &designed.targets.code;
     let (proofs, costs) =
@@ -109,14 +104,23 @@ pub fn run(options: &DesignOptions) -> CommandResult {
         print_two_axes(&designed);
     }
     compiled.said.iter().for_each(|line| print_message(line));
-    let made = &designed.stages;
     print_adaptation(&designed);
     let refused = designed.adaptation.iter().flat_map(|tried| &tried.refused);
     refused.clone().for_each(|why| print_message(&describe_refusal(why)));
+    let made = &designed.stages;
     let holds = made.verified.verification().passes() && made.left_out.is_empty() && refused.count() == 0;
     let together = designed.two_axes.as_ref().is_none_or(TwoAxisStudy::passes);
     let traverse = made.traverse.as_ref().is_none_or(|axis| export::holds(axis));
     Ok(verdict_code([holds, compiled.differing == 0, together, traverse]))
+}
+
+/// Returns what is computed and kept of the design beside its figures.
+fn asked_contents<'a>(options: &DesignOptions, loaded: &'a ProjectOnDisk) -> DesignContents<'a> {
+    DesignContents {
+        assumptions: &loaded.assumptions,
+        systems: options.results.loop_systems(),
+        kept: if options.histories { KeptDesigns::Histories } else { KeptDesigns::Systems },
+    }
 }
 
 fn print_two_axes(designed: &CompletedDesign) {
