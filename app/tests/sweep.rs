@@ -161,9 +161,11 @@ fn a_worst_case_is_told_and_can_be_run_again() {
         let least = row["q05"].as_f64().unwrap();
         assert!(if k == 0 { told <= least } else { told >= row["q95"].as_f64().unwrap() }, "{figure}");
     }
-    assert!(text.contains("linear: robust: stable for every mechanism within "), "{text}");
+    assert!(text.contains("linear, sliding friction: robust: stable for every mechanism within "), "{text}");
+    assert!(text.contains("linear: the linear loop is stable within "), "{text}");
+    assert!(text.contains("linear: design, at rest: robust: stable within "), "{text}");
     assert!(
-        text.contains("linear: not in the linear loop") || text.contains("linear: dry friction counts"),
+        text.contains("friction: not in the linear loop") || text.contains("friction: dry friction counts"),
         "{text}"
     );
     let page = fs::read_to_string(folder.join("out/report.html")).unwrap();

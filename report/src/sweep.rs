@@ -87,7 +87,7 @@ fn outside_samples(found: &CampaignResult) -> String {
 
 /// Returns how far the ranges of a campaign may be widened in the case and regime where they may least.
 pub fn robustness_limit(least: RobustnessLimit<'_>) -> String {
-    let place = least.at.map_or("sliding friction".to_owned(), certificate::name_robust_regime);
+    let place = name_limit(least);
     match least.factor {
         0.0 => format!("the linear loop is unstable without any deviation: {place}"),
         factor if factor < 1.0 => format!(
@@ -106,6 +106,10 @@ pub fn robustness_limit(least: RobustnessLimit<'_>) -> String {
 pub struct SweepFigure {
     /// Key of the figure.
     pub figure: String,
+    /// Which side of the limit is required: `at least` or `at most`.
+    pub side: &'static str,
+    /// Limit of the requirement.
+    pub limit: f64,
     /// Share of the mechanisms that meet the requirement.
     pub share: f64,
     /// The share's 95 % interval.
@@ -141,10 +145,34 @@ pub struct WorstCase {
     pub converged: bool,
 }
 
+/// How far the ranges of a campaign may be widened together in one case and one regime of friction, for another program.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepRobustness {
+    /// The case and the regime, in words.
+    pub case: String,
+    /// The loop is stable for every mechanism in the ranges widened by less than this; 0 if it is unstable without any deviation.
+    pub times_the_ranges: f64,
+}
+
+/// Returns how far the ranges may be widened in each case and regime, the design's own case with sliding friction first.
+pub fn sweep_robustness(found: &CampaignResult) -> Vec<SweepRobustness> {
+    let one = |limit: RobustnessLimit<'_>| SweepRobustness {
+        case: name_limit(limit),
+        times_the_ranges: limit.factor,
+    };
+    found.robustness_limits().map(one).collect()
+}
+
+fn name_limit(limit: RobustnessLimit<'_>) -> String {
+    limit.at.map_or("design".to_owned(), certificate::name_robust_regime)
+}
+
 /// Returns every requirement of a campaign as plain data.
 pub fn sweep_figures(found: &CampaignResult) -> Vec<SweepFigure> {
     let row = |(k, over): (usize, &Summary)| SweepFigure {
         figure: found.requirements[k].figure.key_in(found.controlled),
+        side: found.requirements[k].limit.side(),
+        limit: found.requirements[k].limit.value(),
         share: over.share,
         interval: over.interval,
         q05: over.q05,

@@ -69,7 +69,7 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     }
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let designed = design_project(&loaded.project, &contents_of(options, &loaded), &HeaderText, &world)?;
+    let designed = design_project(&loaded.project, &asked_contents(options, &loaded), &HeaderText, &world)?;
     let mut result = DesignResult::complete(&designed);
     let code = &designed.targets.code;
     let (proofs, costs) =
@@ -104,18 +104,18 @@ pub fn run(options: &DesignOptions) -> CommandResult {
         print_two_axes(&designed);
     }
     compiled.said.iter().for_each(|line| print_message(line));
-    let made = &designed.stages;
     print_adaptation(&designed);
     let refused = designed.adaptation.iter().flat_map(|tried| &tried.refused);
     refused.clone().for_each(|why| print_message(&describe_refusal(why)));
+    let made = &designed.stages;
     let holds = made.verified.verification().passes() && made.left_out.is_empty() && refused.count() == 0;
     let together = designed.two_axes.as_ref().is_none_or(TwoAxisStudy::passes);
     let traverse = made.traverse.as_ref().is_none_or(|axis| export::holds(axis));
     Ok(verdict_code([holds, compiled.differing == 0, together, traverse]))
 }
 
-/// Returns what is computed and kept beside the figures.
-fn contents_of<'a>(options: &DesignOptions, loaded: &'a ProjectOnDisk) -> DesignContents<'a> {
+/// Returns what is computed and kept of the design beside its figures.
+fn asked_contents<'a>(options: &DesignOptions, loaded: &'a ProjectOnDisk) -> DesignContents<'a> {
     DesignContents {
         assumptions: &loaded.assumptions,
         systems: options.results.loop_systems(),

@@ -10,6 +10,7 @@ use counterpoise_pipeline::studies::sweep::{
 };
 use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
+use counterpoise_report::sweep::{SweepFigure, SweepRobustness};
 use counterpoise_report::terminal::sweep::sweep_lines;
 use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::{ProvenanceEntry, VerificationContext, sweep};
@@ -216,12 +217,27 @@ fn finish(named: &NamedCampaign, options: &SweepOptions) -> CommandResult {
     };
     let page = sweep::campaign_report(nominal, &found, &project, context).with_command(&command);
     output::write_report(&options.output.join("report.html"), &options.results, &page)?;
-    let rows = sweep::sweep_figures(&found);
-    if !output::write_list(&options.results, "figures", &rows)? {
-        output::print_lines(&sweep_lines(&found, &rows));
+    let result = SweepOutput {
+        samples: found.samples(),
+        figures: sweep::sweep_figures(&found),
+        robustness: sweep::sweep_robustness(&found),
+    };
+    if !output::write_result(&options.results, &result)? {
+        output::print_lines(&sweep_lines(&found, &result.figures));
         say!("report  {}", options.output.join("report.html").display());
     }
     Ok(verdict_code([found.passing == found.samples()]))
+}
+
+/// A campaign, for another program; its samples are in `samples.parquet`.
+#[derive(serde::Serialize)]
+struct SweepOutput {
+    /// Number of mechanisms.
+    samples: usize,
+    /// The requirements over all mechanisms.
+    figures: Vec<SweepFigure>,
+    /// How far the ranges may be widened in each case and regime; empty if nothing that enters the linear loop varies.
+    robustness: Vec<SweepRobustness>,
 }
 
 fn refuse_shards(problem: ShardsProblem) -> Error {

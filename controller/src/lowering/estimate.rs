@@ -104,8 +104,11 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
             }
             _ => {
                 let design_kg_m = parts.design_out_of_balance_kg_m;
-                let follows =
-                    write_follow_switch(&Followed { estimator, aim, way, design_kg_m }, states, writer);
+                let follows = write_follow_switch(
+                    &FollowedEstimate { estimator, aim, way, design_kg_m },
+                    states,
+                    writer,
+                );
                 writer.product("way_left_kg_m", way, follows)
             }
         };
@@ -130,7 +133,7 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
 }
 
 /// An estimate that the out-of-balance in force follows once it has left the hold band.
-struct Followed<'a> {
+struct FollowedEstimate<'a> {
     estimator: &'a Estimator,
     /// The estimate, kg m.
     aim: Slot,
@@ -142,7 +145,7 @@ struct Followed<'a> {
 
 /// Writes a switch that is 1 from the sample in which the estimate leaves the hold band until it has moved by no more than
 /// [`SETTLED_SHARE`] of the band for `follow_samples`. The anchor is the estimate where the count began.
-fn write_follow_switch(of: &Followed<'_>, states: &mut States, writer: &mut Writer) -> Slot {
+fn write_follow_switch(of: &FollowedEstimate<'_>, states: &mut States, writer: &mut Writer) -> Slot {
     let (band, all) = (of.estimator.hold_band_kg_m, f64::from(of.estimator.follow_samples));
     let left = states.scalar("follow_samples_left", 0.0, OnRestart::Restart);
     let anchor = states.scalar("anchor_kg_m", of.design_kg_m, OnRestart::Restart);

@@ -92,13 +92,18 @@ impl CampaignResult {
         }
     }
 
-    /// Returns the case and regime whose ranges can be widened least, with the factor: 0 if the loop is unstable without any deviation.
-    /// `None` if nothing that enters the linear loop varies.
-    pub fn least_robust(&self) -> Option<RobustnessLimit<'_>> {
+    /// Returns how far the ranges can be widened in each case and regime, the design's own case first: 0 if the loop is unstable without any
+    /// deviation. Empty if nothing that enters the linear loop varies.
+    pub fn robustness_limits(&self) -> impl Iterator<Item = RobustnessLimit<'_>> {
         let own = self.stability.as_ref().map(|found| RobustnessLimit { factor: found.guaranteed, at: None });
         let factor = |at: &RegimeRobustness| at.found.as_ref().map_or(0.0, |found| found.guaranteed);
-        let others = self.regimes.iter().map(|at| RobustnessLimit { factor: factor(at), at: Some(at) });
-        own.into_iter().chain(others).min_by(|a, b| a.factor.total_cmp(&b.factor))
+        own.into_iter()
+            .chain(self.regimes.iter().map(move |at| RobustnessLimit { factor: factor(at), at: Some(at) }))
+    }
+
+    /// Returns the case and regime whose ranges can be widened least; `None` if nothing that enters the linear loop varies.
+    pub fn least_robust(&self) -> Option<RobustnessLimit<'_>> {
+        self.robustness_limits().min_by(|a, b| a.factor.total_cmp(&b.factor))
     }
 
     /// Returns the number of mechanisms.

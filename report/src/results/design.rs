@@ -23,6 +23,16 @@ pub struct DesignCertificateText {
     pub holds: bool,
 }
 
+/// A verification with what to change.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AdvisedVerification {
+    /// The verification.
+    #[serde(flatten)]
+    pub result: VerifyText,
+    /// The changes that meet a requirement that fails.
+    pub advice: Vec<AdviceResult>,
+}
+
 /// A whole design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignText {
@@ -35,15 +45,13 @@ pub struct DesignText {
     /// The design.
     pub synth: SynthText,
     /// The verification.
-    pub verify: VerifyText,
+    pub verify: AdvisedVerification,
     /// The demand of each weight, in words.
     pub weights_in_words: Vec<String>,
     /// Residuals, costs and poles that certify the design.
     pub certificates: Vec<DesignCertificateText>,
     /// The design beside its alternatives.
     pub beside: ComparisonText,
-    /// The changes that meet a requirement that fails.
-    pub advice: Vec<AdviceResult>,
     /// The controller in every kind of numbers.
     pub targets: TargetsResult,
     /// Names of the files of code.
@@ -62,11 +70,13 @@ impl DesignText {
             model: result.model,
             reduce: describe_reduction(result.reduce),
             synth: result.synth.into(),
-            verify: VerifyText::new(axes, result.verify),
+            verify: AdvisedVerification {
+                result: VerifyText::new(axes, result.verify),
+                advice: designed.advice.iter().map(Into::into).collect(),
+            },
             weights_in_words: describe_weights(&designed.asked),
             certificates: designed.certificates.iter().map(describe_certificate).collect(),
             beside: (&designed.comparison).into(),
-            advice: designed.advice.iter().map(Into::into).collect(),
             targets: result.targets,
             files: made.files.iter().map(|file| file.name.clone()).collect(),
             left_out: made.all_left_out().map(ToString::to_string).collect(),

@@ -4,7 +4,7 @@ use counterpoise_diagnose::identification::Estimate;
 use counterpoise_pipeline::recordings::AxisUnits;
 
 use super::add_line;
-use crate::tolerance::LEAST_WITH_DECIMALS;
+use crate::tolerance::LEAST_WITH_THREE_DECIMALS;
 use crate::wording::identification::{AmplifierText, IdentificationText};
 
 /// Returns the lines on an identified mechanism, a quantity each.
@@ -44,7 +44,7 @@ fn add_mechanism(lines: &mut Vec<String>, found: &IdentificationText, units: &Ax
         figure(l.width_v_s2_rad),
         units.position
     );
-    let left = if found.residual_nm >= LEAST_WITH_DECIMALS {
+    let left = if found.residual_nm >= LEAST_WITH_THREE_DECIMALS {
         format!("{:.2}", found.residual_nm)
     } else {
         figure(found.residual_nm)
@@ -65,7 +65,7 @@ fn add_estimate(lines: &mut Vec<String>, name: &str, e: &Estimate, unit: &str) {
 
 /// Returns a number with three decimals, or with three digits if those say nothing.
 fn figure(value: f64) -> String {
-    if value == 0.0 || value.abs() >= LEAST_WITH_DECIMALS {
+    if value == 0.0 || value.abs() >= LEAST_WITH_THREE_DECIMALS {
         return format!("{value:.3}");
     }
     format!("{value:.2e}")

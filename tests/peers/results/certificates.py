@@ -338,7 +338,62 @@ THIRD_HARMONIC = 0.5
 # Relative difference of frequencies up to which a prediction is consistent.
 FREQUENCY_ERROR = 0.1
 NO_TORQUE = "the torque of a period is not part of the result: ask for --histories"
-BY_OBSERVER = "friction observers run their own program of many operations; its describing function stands in the controller's system"
+NO_OBSERVER = "the law of the observer is not part of the result: give the controller.json that design and export write"
+OTHER_LAW = "the observer follows another law than Dahl's with a constant level"
+# Periods in which a friction observer settles, and the fewest and most samples of a period.
+SETTLED, PERIOD = 3, (8, 4000)
+# A pole nearer than this to 1 belongs to a constant that nothing changes.
+NEUTRAL = 1e-5
+POLES = 1e-9
+# Frequency is that of one of the poles that are largest to this.
+SAME_SIZE = 1e-9
+
+
+def regime_poles(regime, loop, name):
+    """The closed loop's largest pole, its growth and its frequency. Poles at 1 of constants that nothing changes are left out, and counted."""
+    closed = loop.A - loop.B @ np.linalg.solve(np.eye(loop.ninputs) + loop.D, loop.C)
+    poles = np.linalg.eigvals(closed)
+    moving = poles[np.abs(poles - 1.0) > NEUTRAL]
+    radius = float(np.max(np.abs(moving), initial=0.0))
+    yield f"pole modulus, {name}", regime["pole_radius"], radius, POLES
+    yield f"growth, {name}", regime["growth_per_s"], math.log(radius) / loop.dt if radius else -math.inf, POLES
+    largest_ = moving[np.abs(moving) > radius * (1.0 - SAME_SIZE)]
+    # of poles of one size, any may be the one that is told
+    hertz = np.abs(np.angle(largest_)) / (2.0 * math.pi * loop.dt)
+    told = regime["frequency_hz"]
+    yield f"frequency of that pole, {name}", told, float(hertz[np.argmin(np.abs(hertz - told))]), LIMIT
+    if radius >= 1.0:
+        # an unstable loop has no margin, and no largest sensitivity
+        yield f"gain margin of an unstable loop, {name}", regime["gain_margin_db"] or 0.0, 0.0, HOLDS
+        yield f"sensitivity of an unstable loop, {name}", float(regime["max_sensitivity"] is None), 1.0, HOLDS
+
+
+def constants(regime):
+    """How many poles of a regime's closed loop belong to constants."""
+    loop = system(regime["sampled_loop"])
+    poles = np.linalg.eigvals(loop.A - loop.B @ np.linalg.solve(np.eye(loop.ninputs) + loop.D, loop.C))
+    return int(np.sum(np.abs(poles - 1.0) <= NEUTRAL))
+
+
+def severity(regime):
+    """What orders regimes: the largest sensitivity, and beyond stability the growth."""
+    if regime["pole_radius"] >= 1.0:
+        return 1, regime["growth_per_s"]
+    return 0, math.inf if regime["max_sensitivity"] is None else regime["max_sensitivity"]
+
+
+def headline(certificate):
+    """The figures of the certificate that requirements can be stated on: those of the worst regime, and the largest limit cycle."""
+    # no control reaches the hub while the teeth are open
+    judged = [regime for case in certificate["cases"] for regime in case["regimes"] if regime["regime"] != "teeth_open"]
+    size = {"stable": lambda case: 0.0, "limit cycle": lambda case: case["limit_cycle"]["amplitude_rad_s"], "unstable": lambda case: math.inf}
+    out = {}
+    if all(case["stability"] in size for case in certificate["cases"]):
+        out["limit_cycle_peak_rad_s"] = max((size[case["stability"]](case) for case in certificate["cases"]), default=0.0)
+    if judged:
+        worst = max(judged, key=severity)
+        out.update({f"worst_regime_{key}": worst[key] for key in ("gain_margin_db", "max_sensitivity")})
+    return out
 
 
 def first_harmonic(torque, amplitude, rate):
@@ -359,6 +414,42 @@ def dahl(coulomb, stiffness, amplitude, rate):
     step = phase[1] - phase[0]
     whole = lambda values: float(np.sum((values[1:] + values[:-1]) * 0.5) * step)
     return 2.0 / (math.pi * amplitude) * whole(rising * np.sin(phase)), 2.0 / (math.pi * amplitude) * whole(rising * np.cos(phase)) / rate
+
+
+def observer(law, rate_rad_s, rate, dt):
+    """The first harmonic of a friction observer's volts over that of the rate it follows, as (direct, integral) of direct + integral T z / (z - 1).
+
+    The equation is the manual's: F[k+1] = (F[k] + sigma T w) / (1 + sigma T |w| / g)."""
+    count = min(max(round(2.0 * math.pi / (rate * dt)), PERIOD[0]), PERIOD[1])
+    turn = np.exp(2j * math.pi * np.arange(count) / count)
+    step = law["rest_stiffness_nm_rad"] * dt * rate_rad_s * turn.real
+    torque, torques = 0.0, []
+    for moved in np.tile(step, 2 * SETTLED):
+        torque = (torque + moved) / (1.0 + abs(moved) / law["coulomb_nm"])
+        torques.append(torque)
+    settled = np.array(torques[SETTLED * count :]) * law["volts_per_nm"]
+    gain = 2.0 / rate_rad_s * np.mean(settled * np.tile(turn.conj(), SETTLED))
+    integrator = dt * turn[1] / (turn[1] - 1.0)
+    integral = gain.imag / integrator.imag
+    return gain.real - integral * integrator.real, integral
+
+
+def observers(one, exported, dt, name):
+    """The describing functions of friction observers by the laws in the exported controller."""
+    laws = [law for law in (exported or {}).get("observers", []) if law]
+    for k, told in enumerate(one["observers"]):
+        place = f"describing function of friction observer {k + 1}, {name}"
+        size = math.hypot(told["direct_v_s_rad"], told["integral_v_rad"])
+        if len(laws) != len(one["observers"]):
+            yield place, size, NO_OBSERVER
+        elif laws[k]["law"]["kind"] != "dahl" or laws[k]["level"] or exported.get("level_learning"):
+            yield place, size, OTHER_LAW
+        else:
+            felt = one["amplitude_rad_s"] * (one["motor_over_hub"] if laws[k]["rate"] == "motor_rate_rad_s" else 1.0)
+            loop = laws[k]["rate"] != "demand_rad_s"
+            direct, integral = observer(laws[k], felt, 2.0 * math.pi * one["frequency_hz"], dt) if loop else (0.0, 0.0)
+            yield f"{place}, direct", told["direct_v_s_rad"], direct, POLES
+            yield f"{place}, integral", told["integral_v_rad"], integral, POLES
 
 
 def gap(mesh):
@@ -459,8 +550,8 @@ def predictions(case, verify):
         sides = cycle_["balances"]
         for side, words in zip(sides, ("below", "above")):
             yield from balance(side, verify, f"{words}, {name}")
-            for _ in side["observers"][:1]:
-                yield f"friction observers, {words}, {name}", len(side["observers"]), BY_OBSERVER
+            dt = named(side["systems"], "controller")["sample_time_s"]
+            yield from observers(side, verify.get("exported_controller"), dt, f"{words}, {name}")
         if len(sides) < 2:
             continue
         below, above = sides

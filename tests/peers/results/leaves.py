@@ -5,24 +5,22 @@
 - listed: a figure that the result does not determine, with the reason.
 
     counterpoise design PROJECT -o out --histories --json=result.json
-    python tests/peers/results/leaves.py result.json [--prove]
+    python tests/peers/results/leaves.py result.json [--controller out/controller.json] [--prove]
 
 The script fails if a leaf is of no class. With --prove it changes one leaf of every recomputed kind by one percent, and fails unless
 recompute.py then finds a difference: so "recomputed" is not a claim of this table.
 """
 
 import copy
-import json
 import re
 import sys
 
-import controlled
 import recompute
 
 SYSTEM = r"[ABCD]\.\d+\.\d+|sample_time_s"
 DATA, RECOMPUTED = "data", "recomputed"
 
-BY_OBSERVER = "the describing function of a friction observer, which is a program of many operations: the controller's system holds it"
+BY_OBSERVER = "the describing function of a friction observer: its law stands in controller.json, which --controller names"
 BY_ROUNDING = "the rounding of every operation of the generated code: its self test and `counterpoise design` compare them with the compiled code"
 
 # (pattern of the whole path, class or reason). The first that matches counts.
@@ -140,13 +138,17 @@ def stage(result):
 def classified(result):
     """Kinds of leaves (paths whose places in lists are left open) with their class and one path of each list."""
     first, kinds = stage(result), {}
+    exported = result.get("verify", result).pop("exported_controller", None)
+    classes = [(pattern, RECOMPUTED if exported and one == BY_OBSERVER else one) for pattern, one in CLASSES]
     for path in walk(result):
         whole = ".".join(map(str, ((first,) if first else ()) + path))
         kind = re.sub(r"\.\d+(?=\.|$)", ".*", whole)
         if kind not in kinds:
-            found = next((one for pattern, one in CLASSES if re.fullmatch(pattern, whole)), None)
+            found = next((one for pattern, one in classes if re.fullmatch(pattern, whole)), None)
             kinds[kind] = [found, []]
         kinds[kind][1].append(path)
+    if exported:
+        result.get("verify", result)["exported_controller"] = exported
     return kinds
 
 
@@ -181,8 +183,7 @@ def proofs(result, kinds):
 
 
 def main(path, *options):
-    with open(path, encoding="utf-8") as file:
-        result = controlled.as_rate_loop(json.load(file))
+    result = recompute.loaded(path, *options)
     kinds = classified(result)
     counts, listed, wrong = {}, {}, []
     for kind, (found, paths) in kinds.items():

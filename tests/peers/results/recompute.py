@@ -2,8 +2,9 @@
 and python-control.
 
     counterpoise design PROJECT -o out --histories --json=result.json
-    python tests/peers/results/recompute.py result.json
+    python tests/peers/results/recompute.py result.json [--controller out/controller.json]
 
+The describing functions of friction observers need the observers' laws, which stand in controller.json.
 Linear figures come from the matrices (poles, margins, sensitivities, rejection ratios, costs as integrals over frequency), the others from
 the time histories. The script fails if one differs by more than its tolerance, and lists the printed figures that the result does not
 determine, each with the reason.
@@ -253,6 +254,8 @@ def recomputed(verify):
     all_ = loop_figures(verify)
     for history in verify.get("histories", []):
         all_.update(history_figures(history, verify["settle_s"]))
+    if verify.get("certificate"):
+        all_.update(certificates.headline(verify["certificate"]))
     asked = verify.get("sight_procedure")
     judged = next((one for one in verify.get("histories", []) if asked and one["name"] == asked["experiment"]), None)
     if judged:
@@ -382,32 +385,35 @@ def certificate_rows(verify):
         return
     for case in certificate["cases"]:
         for regime in case["regimes"]:
-            name = f"{case['name']}, {regime['regime']}"
-            loop = system(regime["sampled_loop"])
-            if regime["gain_margin_db"] is None or regime["max_sensitivity"] is None:
-                yield f"pole modulus, {name}", regime["pole_radius"], "the loop is open, or constants are left out of its poles"
-                continue
-            dt = loop.dt
-            rates = np.geomspace(1e-2, math.pi / dt * (1.0 - 1e-9), 20000)
-            values = swept(loop, rates, dt)[:, 0, 0]
-            one = lambda rate: swept(loop, np.array([rate]), dt)[0, 0, 0]
-            real = [r for r in crossings(rates, values.imag, lambda r: one(r).imag) if one(r).real < 0.0]
-            gains = [abs(one(r)) for r in real]
-            # a loop without integral action also crosses the axis at zero frequency: a gain of that size lets the mechanism fall
-            still = at(loop, np.array([1e-9]), dt)[0, 0, 0]
-            gains += [abs(still)] if still.real < 0.0 and abs(still.imag) < 1e-3 * abs(still) else []
-            margin = min((abs(20.0 * math.log10(gain)) for gain in gains), default=math.inf)
-            # the certificate reads both off a grid of frequencies
-            yield f"gain margin, {name}", regime["gain_margin_db"], margin, 5e-3
-            sensitivity = largest(rates, np.abs(1 / (1 + values)), lambda r: abs(1 / (1 + one(r))))
-            yield f"largest sensitivity, {name}", regime["max_sensitivity"], sensitivity, 5e-3
-            yield f"growth, {name}", regime["growth_per_s"], math.log(regime["pole_radius"]) / dt, 1e-9
+            yield from regime_rows(regime, f"{case['name']}, {regime['regime']}")
         if case["sector"]:
             yield from certificates.sector(case["sector"], case["name"])
         dt = case["regimes"][0]["sampled_loop"]["sample_time_s"]
         yield from certificates.orbits(case, dt, case["noise_floor_rad_s"])
         yield from certificates.runs(case, dt)
         yield from certificates.predictions(case, verify)
+
+
+def regime_rows(regime, name):
+    """Poles, margin and largest sensitivity of the loop in one regime, from its sampled loop."""
+    loop = system(regime["sampled_loop"])
+    yield from certificates.regime_poles(regime, loop, name)
+    if regime["gain_margin_db"] is None or regime["max_sensitivity"] is None:
+        return
+    dt = loop.dt
+    rates = np.geomspace(1e-2, math.pi / dt * (1.0 - 1e-9), 20000)
+    values = swept(loop, rates, dt)[:, 0, 0]
+    one = lambda rate: swept(loop, np.array([rate]), dt)[0, 0, 0]
+    real = [r for r in crossings(rates, values.imag, lambda r: one(r).imag) if one(r).real < 0.0]
+    gains = [abs(one(r)) for r in real]
+    # a loop without integral action also crosses the axis at zero frequency: a gain of that size lets the mechanism fall
+    still = at(loop, np.array([1e-9]), dt)[0, 0, 0]
+    gains += [abs(still)] if still.real < 0.0 and abs(still.imag) < 1e-3 * abs(still) else []
+    margin = min((abs(20.0 * math.log10(gain)) for gain in gains), default=math.inf)
+    # the certificate reads both off a grid of frequencies
+    yield f"gain margin, {name}", regime["gain_margin_db"], margin, 5e-3
+    sensitivity = largest(rates, np.abs(1 / (1 + values)), lambda r: abs(1 / (1 + one(r))))
+    yield f"largest sensitivity, {name}", regime["max_sensitivity"], sensitivity, 5e-3
 
 
 def response_row(verify, one):
@@ -492,10 +498,26 @@ def difference_of(value, mine, allowed):
     return 0.0 if mine == value else abs(mine - value) / scale
 
 
-def main(path):
+def loaded(path, *options):
+    """A result under the names of a loop of rate, with the exported controller that --controller names."""
     with open(path, encoding="utf-8") as file:
         result = controlled.as_rate_loop(json.load(file))
     assert result["schema"] == "counterpoise.results/2", result["schema"]
+    if "--controller" in options:
+        with open(options[options.index("--controller") + 1], encoding="utf-8") as file:
+            result.get("verify", result)["exported_controller"] = json.load(file)
+    return result
+
+
+def constants_left_out(result):
+    """(poles that belong to constants, regimes that have some, regimes)."""
+    cases = (result.get("verify", result).get("certificate") or {"cases": []})["cases"]
+    counts = [certificates.constants(regime) for case in cases for regime in case["regimes"]]
+    return sum(counts), sum(count > 0 for count in counts), len(counts)
+
+
+def main(path, *options):
+    result = loaded(path, *options)
     count, worst, wrong, cannot = 0, 0.0, [], []
     for name, value, mine, *allowed in rows_of(result):
         if not allowed:
@@ -507,6 +529,9 @@ def main(path):
         if not off <= allowed[0]:
             wrong.append(f"  WRONG {name}: {value!r} in the result, {mine!r} here")
     print(f"{count} figures, {count - len(wrong)} recomputed within their tolerance, largest difference {worst:.1e} of its tolerance")
+    poles, with_some, regimes = constants_left_out(result)
+    if poles:
+        print(f"{poles} poles of constants that nothing changes are left out of {with_some} of {regimes} regimes")
     if cannot:
         print(f"{len(cannot)} printed figures that the result does not determine:")
     print("\n".join(wrong + cannot))
@@ -519,4 +544,4 @@ loop_keys = {
 }
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(*sys.argv[1:]))

@@ -4,6 +4,9 @@
 %     octave-cli tests/peers/results/systems.m result.json
 if exist("OCTAVE_VERSION", "builtin")
     pkg load control
+    % near an integrator, the matrix that is solved is nearly singular
+    warning("off", "Octave:nearly-singular-matrix");
+    warning("off", "Octave:singular-matrix");
 end
 
 function rate = crossing(value, low, high)
@@ -26,8 +29,10 @@ system = ss(plant.A, plant.B, plant.C, plant.D, plant.sample_time_s);
 
 mine = sort(abs(pole(system)));
 theirs = sort(hypot(result.model.poles_rad_s(:, 1), result.model.poles_rad_s(:, 2)));
-printf("largest relative difference of the poles %.1e\n", max(abs(mine - theirs) ./ theirs));
-assert(max(abs(mine - theirs) ./ theirs) < 1e-9);
+% a pole at zero has no size of its own
+off = max(abs(mine - theirs) ./ max(theirs, max(1e-3 * max(theirs), realmin)));
+printf("largest relative difference of the poles %.1e\n", off);
+assert(off < 1e-9);
 
 loop = result.verify.systems(arrayfun(@(one) strcmp(one.name, "loop"), result.verify.systems));
 states = numel(loop.states);

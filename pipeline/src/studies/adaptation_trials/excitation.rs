@@ -57,8 +57,9 @@ const LENGTH_S: f64 = 47.3;
 const SETTLED_S: f64 = 23.7;
 /// Length of the end of a trial in which the hub rate is measured, s.
 const MEASURED_END_S: f64 = 16.2;
-/// Instant at which a load that returns does so, s, and the length of that trial: what was learnt before must be forgotten.
+/// Instant at which a load that returns does so, s.
 const RETURN_S: f64 = 15.9;
+/// Length of the trial of a load that returns, s: what was learnt before it did is forgotten at its end.
 const RETURNED_LENGTH_S: f64 = 79.3;
 /// Instant at which the load begins to change, s.
 const CHANGE_S: f64 = 7.9;
