@@ -160,7 +160,7 @@ impl DrawnDesign {
         dice: &mut Dice,
     ) -> CertificateRow {
         let parameters = plant.parameters();
-        let truth = machine(parameters);
+        let truth = Machine { moment: plant.body().out_of_balance_kg_m, ..machine(parameters) };
         let still = |_: f64| Platform::default();
         let moving = |t: f64| platform_at(&self.procedure, t);
         row.rest = run(&truth, parameters, controller, &still, Start::Rest, dice);
