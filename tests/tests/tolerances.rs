@@ -85,8 +85,7 @@ const fn no(file: &'static str, name: &'static str, why: NoToleranceReason) -> N
 }
 
 /// Every constant that reads like a tolerance and is none, with the reason.
-const NO_TOLERANCES: [NoTolerance; 12] = [
-    no("app/src/commands/identify.rs", "LEAST_WITH_DECIMALS", NoToleranceReason::Page),
+const NO_TOLERANCES: [NoTolerance; 11] = [
     no("models/src/parameters/cylinder.rs", "LAMINAR_SHARE", NoToleranceReason::Model),
     no("models/src/parameters/drive_limits.rs", "FOLD_K", NoToleranceReason::Model),
     no("pipeline/src/reduction_views.rs", "SMALLEST_ERROR", NoToleranceReason::Page),
