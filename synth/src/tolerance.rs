@@ -282,10 +282,10 @@ pub(crate) const FRONT_GRID_SHARE: f64 = 1e-3;
 
 /// Work of the search for a first design, in designs times the third power of the order of the largest loop that is judged: a few seconds of one processor. The
 /// search ends with the best that it has.
-pub(crate) const WORK_OF_SEARCH: usize = 8_500_000;
-/// Designs of such a search at least: every usual shape at every aim is among them.
-pub(crate) const FEWEST_DESIGNS: usize = 200;
+pub(crate) const WORK_OF_SEARCH: usize = 40_000_000;
+/// Designs of such a search at least: with 200 the further searches of a table over a ball screw were cut off, and its bandwidth was 24 rad/s in place of 360.
+pub(crate) const FEWEST_DESIGNS: usize = 1000;
 /// Designs of such a search at most.
-pub(crate) const MOST_DESIGNS: usize = 1500;
+pub(crate) const MOST_DESIGNS: usize = 2000;
 /// Share of the designs of the search that each search for what limits the answer may take again.
 pub(crate) const SHARE_FOR_LIMITS: f64 = 0.3;

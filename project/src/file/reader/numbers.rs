@@ -182,10 +182,6 @@ impl<'a> Reader<'a> {
             return;
         }
         let DefaultRule { rule, source, usual } = field.assumed.unwrap_or_else(|| usual_rule(value));
-        // A multiple of nothing: there is no part of which the rule speaks.
-        if value == 0.0 && matches!(usual, UsualRange::Factors(..)) {
-            return;
-        }
         let usual = match usual {
             UsualRange::Factors(low, high) => Some([value * low, value * high]),
             UsualRange::Values(low, high) => Some([low, high]),
