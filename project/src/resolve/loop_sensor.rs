@@ -56,7 +56,6 @@ const OF_GYROSCOPE: [&str; 3] = ["hub_gyro.noise", "hub_gyro.delay", "hub_gyro.n
 /// Reads or lists the loop's sensor.
 pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     let (axis, measured, mut found) = (plant.axis, plant.sensors.measured, 0);
-    let digital = plant.sensors.hub_gyro.resolution > 0.0;
     let gyro = TableField::optional("hub_gyro", "inertial rate of the hub");
     let there = measured == FeedbackSignal::HubRate && plant.sensors.hub_gyro != UNKNOWN;
     if Words::of(axis, v).enter(&gyro, Presence::from(there)) {
@@ -79,8 +78,16 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     }
     let position = measured.is_position();
     for (key, meaning, there) in [
-        ("encoder", "angle relative to the platform in counts, which the loop controls", position && digital),
-        ("resolver", "angle relative to the platform, which the loop controls", position && !digital),
+        (
+            "encoder",
+            "angle relative to the platform in counts, which the loop controls",
+            position && is_digital(plant),
+        ),
+        (
+            "resolver",
+            "angle relative to the platform, which the loop controls",
+            position && !is_digital(plant),
+        ),
     ] {
         if !Words::of(axis, v).enter(&TableField::optional(key, meaning), Presence::from(there)) {
             continue;
@@ -123,6 +130,11 @@ pub(super) fn assume_gyroscope(v: &mut dyn Visit, [noise, delay, natural_frequen
     v.assume(&Field { key: delay, ..sensor::delay(SensorKind::Gyroscope) }, 0.0);
     let frequency = sensor::natural_frequency(SensorKind::Gyroscope);
     v.assume(&Field { key: natural_frequency, ..frequency }, f64::INFINITY);
+}
+
+/// Returns whether the loop's sensor counts.
+fn is_digital(plant: &Parameters) -> bool {
+    plant.sensors.hub_gyro.resolution > 0.0
 }
 
 /// Reports a gyroscope on a slide, which does not turn.
