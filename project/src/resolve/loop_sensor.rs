@@ -56,6 +56,7 @@ const OF_GYROSCOPE: [&str; 3] = ["hub_gyro.noise", "hub_gyro.delay", "hub_gyro.n
 /// Reads or lists the loop's sensor.
 pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     let (axis, measured, mut found) = (plant.axis, plant.sensors.measured, 0);
+    let digital = plant.sensors.hub_gyro.resolution > 0.0;
     let gyro = TableField::optional("hub_gyro", "inertial rate of the hub");
     let there = measured == FeedbackSignal::HubRate && plant.sensors.hub_gyro != UNKNOWN;
     if Words::of(axis, v).enter(&gyro, Presence::from(there)) {
@@ -78,16 +79,8 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     }
     let position = measured.is_position();
     for (key, meaning, there) in [
-        (
-            "encoder",
-            "angle relative to the platform in counts, which the loop controls",
-            position && is_digital(plant),
-        ),
-        (
-            "resolver",
-            "angle relative to the platform, which the loop controls",
-            position && !is_digital(plant),
-        ),
+        ("encoder", "angle relative to the platform in counts, which the loop controls", position && digital),
+        ("resolver", "angle relative to the platform, which the loop controls", position && !digital),
     ] {
         if !Words::of(axis, v).enter(&TableField::optional(key, meaning), Presence::from(there)) {
             continue;
@@ -114,11 +107,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         assume_gyroscope(&mut Words::of(axis, v), OF_GYROSCOPE);
     }
     if found > 1 {
-        v.complain(
-            "",
-            "must have one sensor of the loop: hub_gyro, tachometer, encoder, resolver, torque or current",
-            Some("remove all of these but one; other sensors of the machine are motor_tachometer, hub_resolver and those of the platform".to_owned()),
-        );
+        refuse_several(v);
     }
 }
 
@@ -132,9 +121,13 @@ pub(super) fn assume_gyroscope(v: &mut dyn Visit, [noise, delay, natural_frequen
     v.assume(&Field { key: natural_frequency, ..frequency }, f64::INFINITY);
 }
 
-/// Returns whether the loop's sensor counts.
-fn is_digital(plant: &Parameters) -> bool {
-    plant.sensors.hub_gyro.resolution > 0.0
+/// Reports that the loop has more than one sensor.
+fn refuse_several(v: &mut dyn Visit) {
+    v.complain(
+        "",
+        "must have one sensor of the loop: hub_gyro, tachometer, encoder, resolver, torque or current",
+        Some("remove all of these but one; other sensors of the machine are motor_tachometer, hub_resolver and those of the platform".to_owned()),
+    );
 }
 
 /// Reports a gyroscope on a slide, which does not turn.
