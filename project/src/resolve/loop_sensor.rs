@@ -107,11 +107,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         assume_gyroscope(&mut Words::of(axis, v), OF_GYROSCOPE);
     }
     if found > 1 {
-        v.complain(
-            "",
-            "must have one sensor of the loop: hub_gyro, tachometer, encoder, resolver, torque or current",
-            Some("remove all of these but one; other sensors of the machine are motor_tachometer, hub_resolver and those of the platform".to_owned()),
-        );
+        refuse_several(v);
     }
 }
 
@@ -123,6 +119,15 @@ pub(super) fn assume_gyroscope(v: &mut dyn Visit, [noise, delay, natural_frequen
     v.assume(&Field { key: delay, ..sensor::delay(SensorKind::Gyroscope) }, 0.0);
     let frequency = sensor::natural_frequency(SensorKind::Gyroscope);
     v.assume(&Field { key: natural_frequency, ..frequency }, f64::INFINITY);
+}
+
+/// Reports that the loop has more than one sensor.
+fn refuse_several(v: &mut dyn Visit) {
+    v.complain(
+        "",
+        "must have one sensor of the loop: hub_gyro, tachometer, encoder, resolver, torque or current",
+        Some("remove all of these but one; other sensors of the machine are motor_tachometer, hub_resolver and those of the platform".to_owned()),
+    );
 }
 
 /// Reports a gyroscope on a slide, which does not turn.

@@ -179,9 +179,6 @@ pub(super) fn assumed_rigid(stiffness: Field, softest_hz: f64, carried_kg_m2: f6
 /// compliance is rigid or the load's inertia is not stated as a number. Without any damping a resonance has no bound, and no loop bears
 /// it.
 fn as_usual(damping: Field, stiffness_nm_rad: f64, load_kg_m2: f64) -> Field {
-    if stiffness_nm_rad.is_infinite() {
-        return damping.or(0.0);
-    }
     let usual = 2.0 * DAMPING_RATIO * (stiffness_nm_rad * load_kg_m2).sqrt();
     damping.or(if usual.is_finite() { usual } else { 0.0 }).with_assumption(
         "damping ratio 0.01 with the motor held",
