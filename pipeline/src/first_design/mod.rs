@@ -5,7 +5,6 @@
 //! weights: written into the project file, they can be edited from there.
 
 mod tolerance_corners;
-mod usual_lags;
 mod usual_ranges;
 
 use std::f64::consts::{SQRT_2, TAU};
@@ -102,10 +101,6 @@ fn choose_weights_on(
         }
         found => (found?, None),
     };
-    let first = match has_usual_step(project) {
-        true => with_lifted_step(first, &open_step, pool)?,
-        false => first,
-    };
     let mut stated = asked.clone();
     let chosen = &first.specification;
     stated.specification.feedback = chosen.feedback.clone();
@@ -149,32 +144,6 @@ fn design_that_holds(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesi
         }
         found => found,
     }
-}
-
-/// Returns a first design that is as slow as is asked for, with the bandwidth that it would have otherwise, without a step of the demand that nobody stated.
-fn with_lifted_step(
-    found: FirstDesign,
-    open: &Circumstances,
-    pool: &dyn Pool,
-) -> Result<FirstDesign, PipelineError> {
-    let mut found = found;
-    if found.bandwidth.limited_by != [LimitKind::Asked] || found.bandwidth.unknown.contains(&Unknown::Demand)
-    {
-        return Ok(found);
-    }
-    let free = match first_design_of(&Circumstances { asked_rad_s: None, ..open.clone() }, pool) {
-        Err(SynthesisError::Refused(_)) => return Ok(found),
-        free => free?,
-    };
-    let rate_rad_s = free.bandwidth.bandwidth_rad_s;
-    let rows = found.bandwidth.limits.iter_mut().zip(&mut found.shown_by);
-    for (limit, loops) in rows.filter(|(limit, _)| limit.kind == LimitKind::Asked) {
-        if limit.lifted_rad_s.is_none_or(|lifted| lifted < rate_rad_s) {
-            limit.lifted_rad_s = Some(rate_rad_s);
-            loops.lifted = free.loops.first().cloned();
-        }
-    }
-    Ok(found)
 }
 
 /// Returns whether a first design may be as slow as it is because of a step of the demand that nobody stated: the step takes most of the control.
@@ -231,14 +200,19 @@ fn circumstances(
     let open = OpenValues::of(project);
     let with_angles = with_angles(project, modelled, &plant)?;
     let nominal = BothPlants { as_designed: plant, with_angles };
-    let usual = open.usual_plants(project, asked, &nominal)?;
+    let mut at_ends = open.plants_at_ends(project, asked, &nominal)?;
+    at_ends.with_angles.extend(open.plants_with_delay(p, &nominal.with_angles)?);
     let BothPlants { as_designed: plant, with_angles: nominal } = nominal;
     let reading = &p.sensors.hub_gyro;
     let motions = project.verify.as_ref().map(|asked| &asked.procedure);
     // A feedforward acts on the load's rate, which a loop of torque or current does not hold.
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
-        usual,
+        usual: UsualPlants {
+            within_ranges: at_ends.as_designed,
+            others_at_ends: at_ends.with_angles,
+            with_delay: open.plants_with_delay(p, &plant)?,
+        },
         others: plants_beside(modelled, &plant, nominal)?,
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
         usual_reading: open.usual_reading(p),

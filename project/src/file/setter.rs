@@ -4,9 +4,6 @@ use super::field::{Fallback, Field, TableField};
 use super::lister::Paths;
 use super::visit::{Count, Presence, Visit};
 
-/// Sections of whose keys something is assumed where they are absent.
-const OF_ABSENT_PARTS: [&str; 2] = ["plant.sensors.hub_gyro.", "plant.drive."];
-
 /// A walk that changes the number at one path.
 #[derive(Debug)]
 pub(crate) struct Setter<'p> {
@@ -63,14 +60,10 @@ impl Visit for Setter<'_> {
     fn pairs(&mut self, _field: &Field, _value: &mut Vec<[f64; 2]>) {}
 
     fn enter(&mut self, table: &TableField, presence: Presence) -> bool {
-        // What is assumed of an absent part is set as if its section were there.
-        let leads_to_it = || self.path.starts_with(&format!("{}.", self.paths.of(table.key)));
-        let is_assumed = OF_ABSENT_PARTS.iter().any(|part| self.path.starts_with(part)) && leads_to_it();
-        let enters = presence == Presence::Present || is_assumed;
-        if enters {
+        if presence == Presence::Present {
             self.paths.enter(table.key);
         }
-        enters
+        presence == Presence::Present
     }
 
     fn leave(&mut self) {

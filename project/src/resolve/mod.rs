@@ -48,7 +48,7 @@ mod weight;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use counterpoise_models::{AmplifierDynamics, Parameters};
+use counterpoise_models::Parameters;
 use counterpoise_recordings::Mapping;
 
 use crate::assumption::{Assumption, KeyTolerance};
@@ -258,19 +258,10 @@ impl Project {
 
     /// Returns the project with the number at a path replaced; `None` if no number stands there.
     pub fn with_number(&self, path: &str, value: f64) -> Option<Self> {
-        let set = |path: &str| {
-            let mut changed = self.clone();
-            let mut setter = Setter::new(path, value);
-            file(&mut setter, &mut changed);
-            setter.is_set.then_some(changed)
-        };
-        // A drive that takes a voltage has become an amplifier.
-        let of_amplifier = path.strip_prefix("plant.drive.").map(|key| format!("plant.amplifier.{key}"));
-        let is_amplifier = self.plant.amplifier.dynamics == AmplifierDynamics::Modelled;
-        match of_amplifier.filter(|_| is_amplifier) {
-            Some(path) => set(&path),
-            None => set(path),
-        }
+        let mut changed = self.clone();
+        let mut setter = Setter::new(path, value);
+        file(&mut setter, &mut changed);
+        setter.is_set.then_some(changed)
     }
 
     fn lines(&self) -> Vec<Line> {

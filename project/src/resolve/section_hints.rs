@@ -35,9 +35,6 @@ pub(super) fn drop_consequences(findings: &mut Vec<Diagnostic>) {
         .filter_map(|d| Some(d.path.rsplit_once('.')?.0.to_owned()))
         .collect();
     let has_other_loop = findings.iter().any(|d| d.path == "synth.loop");
-    // An inertia in the wrong place leaves its right place empty, or is not known there.
-    let is_misplaced = |d: &Diagnostic| d.path == "plant.inertia" && d.problem == DiagnosticKind::OutOfRange;
-    let has_misplaced_inertia = findings.iter().any(is_misplaced);
     findings.retain(|d| {
         let section = d.path.rsplit_once('.').map_or("", |(section, _)| section);
         let is_of_choice = d.problem == DiagnosticKind::UnknownKey
@@ -45,10 +42,7 @@ pub(super) fn drop_consequences(findings: &mut Vec<Diagnostic>) {
             && d.hint.as_ref().is_some_and(|hint| hint.contains(OTHER_CHOICES));
         let is_of_loop =
             has_other_loop && d.problem == DiagnosticKind::WrongType && d.path.starts_with("verify.");
-        let is_of_inertia = has_misplaced_inertia
-            && (d.path == "plant.lumped.hub_inertia" && d.problem == DiagnosticKind::Missing
-                || d.path == "plant.inertia" && d.problem == DiagnosticKind::UnknownKey);
-        !is_of_choice && !is_of_loop && !is_of_inertia
+        !is_of_choice && !is_of_loop
     });
 }
 
