@@ -34,7 +34,6 @@ fn recoil_height(p: &Parameters) -> f64 {
     p.loads.recoil.as_ref().map_or(0.0, |recoil| recoil.height_m)
 }
 
-/// Out-of-balance, inertia, springs and pivot friction.
 /// Stiffness of a cable or hose between hub and platform.
 const POSITION_STIFFNESS: EffectParameter = parameter!(
     "stiffness",
@@ -47,6 +46,7 @@ const POSITION_STIFFNESS: EffectParameter = parameter!(
     v | lumped_set(p, |l| l.position_stiffness_nm_rad = v)
 );
 
+/// Out-of-balance, inertia, springs and pivot friction.
 pub(super) static EFFECTS: &[Effect] = &[
     Effect {
         // T_oob = (g + a_p) (mu cos theta_h - nu sin theta_h), another mu (Dholiwar 2007, (5-22))

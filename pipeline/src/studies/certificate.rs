@@ -1,5 +1,7 @@
 //! The stability certificate of the exported controller: in every regime, at each setting of the schedule.
 
+use counterpoise_controller::Controller;
+use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use counterpoise_verify::Procedure;
 use counterpoise_verify::certificate::elements::{Elements, quasi_linear};
@@ -68,12 +70,13 @@ pub fn certify_controller(
     Ok(certify(&synthesised.sampled.controller, procedure, &cases)?)
 }
 
-/// Returns the structured singular value in each case and each regime of friction: the ranges of the sweep, and the presliding
-/// stiffness among them where the project varies it. Empty if the project varies nothing.
+/// Returns the structured singular value in each case and each regime of friction but the first, the design's own case with sliding friction, which
+/// [`robust_stability`](super::sweep::robust_stability) computes: the ranges of the sweep, and the presliding stiffness among them where the
+/// project varies it. Empty if the project varies nothing.
 ///
 /// # Errors
 /// As [`certified_cases`], and those of the linear loop.
-pub fn robust_regimes(
+pub fn other_robust_regimes(
     project: &Project,
     modelled: &PlantModel,
     synthesised: &SynthesisedDesign,
@@ -86,39 +89,27 @@ pub fn robust_regimes(
         output_error: asked.output_error,
     };
     let controller = &synthesised.sampled.controller;
-    let mut all = Vec::new();
-    for case in certified_cases(project, modelled, synthesised)? {
-        let parameters = case.plant.parameters();
-        if parameters.lumped.is_none() {
-            continue;
-        }
-        let has_friction = parameters.has_dry_friction() || !controller.parts().observers.is_empty();
-        let regimes: &[Joints] =
-            if has_friction { &[Joints::Sliding, Joints::AtRest] } else { &[Joints::Frictionless] };
-        for &joints in regimes {
-            let linear = match joints {
-                Joints::Sliding | Joints::Frictionless => controller.clone(),
-                Joints::AtRest => quasi_linear(controller, &Elements::observers_at_rest(&case, controller)?)?,
-            };
-            let found = robust_stability_in(joints, parameters, &linear, procedure, &uncertainty)?;
-            all.push(RegimeRobustness { case: case.name.clone(), joints, found });
-        }
-    }
-    Ok(all)
+    let cases = certified_cases(project, modelled, synthesised)?;
+    let regimes = cases.iter().flat_map(|case| {
+        judged_regimes(case.plant.parameters(), controller).iter().map(move |joints| (case, *joints))
+    });
+    let robustness = |(case, joints): (&CertifiedCase, Joints)| {
+        let linear = match joints {
+            Joints::Sliding | Joints::Frictionless => controller.clone(),
+            Joints::AtRest => quasi_linear(controller, &Elements::observers_at_rest(case, controller)?)?,
+        };
+        let found = robust_stability_in(joints, case.plant.parameters(), &linear, procedure, &uncertainty)?;
+        Ok(RegimeRobustness { case: case.name.clone(), joints, found })
+    };
+    regimes.skip(1).map(robustness).collect()
 }
 
-/// Returns [`robust_regimes`] without the first, the design's own case with sliding friction, which
-/// [`robust_stability`](super::sweep::robust_stability) computes.
-///
-/// # Errors
-/// As [`robust_regimes`].
-pub fn other_robust_regimes(
-    project: &Project,
-    modelled: &PlantModel,
-    synthesised: &SynthesisedDesign,
-    procedure: &Procedure,
-) -> Result<Vec<RegimeRobustness>, PipelineError> {
-    let mut regimes = robust_regimes(project, modelled, synthesised, procedure)?;
-    regimes.drain(..regimes.len().min(1));
-    Ok(regimes)
+/// Returns the regimes of friction in which a mechanism is judged; none without a lumped structure.
+fn judged_regimes(parameters: &Parameters, controller: &Controller) -> &'static [Joints] {
+    let has_friction = parameters.has_dry_friction() || !controller.parts().observers.is_empty();
+    match (&parameters.lumped, has_friction) {
+        (None, _) => &[],
+        (Some(_), true) => &[Joints::Sliding, Joints::AtRest],
+        (Some(_), false) => &[Joints::Frictionless],
+    }
 }
