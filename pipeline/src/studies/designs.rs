@@ -7,15 +7,16 @@ use counterpoise_project::Project;
 use counterpoise_project::resolve::fixed_structure::{TuningObjective, TuningOptions};
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_simulate::Simulator;
+use counterpoise_synth::tuning::{loop_parts, measure_loop};
 use counterpoise_synth::{
-    Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits, LoopMeasures,
-    Reference, Specification, SynthesisMethod, TuningSubject, best_loop, measure_controller,
+    Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits,
+    Reference, Specification, SynthesisMethod, TuningSubject, best_loop, sampled_plant,
 };
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear_runs};
 use serde::Serialize;
 
-use crate::exchange::UnitValue;
+use crate::exchange::{SystemResult, UnitValue};
 use crate::tuning::{
     BlockResult, LoopMeasuresResult, TuningGround, WeightsResult, block_results, own_procedure, put_in_place,
     tune_feedback, tuning_ground, weights_result,
@@ -43,6 +44,8 @@ pub struct DesignTable {
     pub disturbance: Vec<[f64; 2]>,
     /// RMS of the white noise of a reading.
     pub reading_noise: UnitValue<f64>,
+    /// The sampled plant of every loop, from the control to the reading.
+    pub systems: Vec<SystemResult>,
     /// The designs, the project's own first.
     pub rows: Vec<DesignRow>,
 }
@@ -89,6 +92,9 @@ pub struct DesignRow<Reason = DesignFailure> {
     pub rejection: Option<f64>,
     /// Figures of the nonlinear closed loop.
     pub nonlinear: Option<RunFigures>,
+    /// The sampled feedback, from the error to the control: with the plant of the table, the loop of the linear figures.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub systems: Vec<SystemResult>,
     /// The blocks of a tuned structure.
     pub blocks: Vec<BlockResult>,
     /// The weights of a tuned H2 feedback.
@@ -112,6 +118,7 @@ impl DesignRow {
             linear: self.linear,
             rejection: self.rejection,
             nonlinear: self.nonlinear,
+            systems: self.systems,
             blocks: self.blocks,
             weights: self.weights,
             missed: self.missed,
@@ -201,6 +208,9 @@ pub struct ComparisonRequest {
     pub further: Vec<LoopLimits>,
 }
 
+/// The signal that the feedback of a row reads, in a loop of rate.
+const ERROR_SIGNAL: &str = "rate_error_rad_s";
+
 /// The band of [`DesignRow::rejection`], rad/s: 0.2 to 2 Hz.
 const BAND_RAD_S: [f64; 2] = [1.26, 12.6];
 
@@ -267,8 +277,11 @@ pub fn design_table(
     };
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
     let reading_noise = UnitValue::new("reading_noise", controlled, reading_noise_rad_s);
+    let system = sampled_plant(&ground.plants[0], &ground.sampling)?;
+    let plant = SystemResult::new("plant", &system, &["control_v"], &["reading_of_hub_rate_rad_s"]);
+    let systems = vec![plant.of_loop(controlled)];
     let (name, hash) = (identity.name, identity.hash);
-    Ok(DesignTable { name, hash, controlled, objective, motion, disturbance, reading_noise, rows })
+    Ok(DesignTable { name, hash, controlled, objective, motion, disturbance, reading_noise, systems, rows })
 }
 
 /// Name of the H2 feedback whose weights were tuned.
@@ -413,12 +426,12 @@ impl RowBuilder<'_> {
     /// Returns the figures of a design on the linear plant and in the nonlinear closed loop.
     fn judge_design(&self, name: &str, made: &SynthesisedDesign) -> Result<DesignRow, PipelineError> {
         let controller = &made.sampled.controller;
-        let on = |disturbance: &Disturbance| -> Result<LoopMeasures, PipelineError> {
-            let plant = &self.ground.plants[0];
-            Ok(measure_controller(plant, controller, &self.ground.sampling, disturbance)?)
-        };
+        let parts = loop_parts(&self.ground.plants[0], controller, &self.ground.sampling)?;
+        let on = |disturbance: &Disturbance| measure_loop(&parts.plant, &parts.feedback, disturbance);
         let linear = on(&self.ground.disturbance)?;
         let rejection = on(&Disturbance::of_band(BAND_RAD_S))?.residual_rad_s;
+        let feedback = SystemResult::new("feedback", &parts.feedback, &[ERROR_SIGNAL], &["control_v"])
+            .of_loop(self.project.plant.controlled_quantity());
         let nonlinear = run_observed(self.world, PipelineStage::Verify, || self.run(controller))?;
         let order = match &made.design.joint {
             Some(joint) => joint.controller.order(),
@@ -429,6 +442,7 @@ impl RowBuilder<'_> {
             linear: Some(LoopMeasuresResult::of(&linear, self.project.plant.controlled_quantity())),
             rejection: Some(rejection),
             nonlinear: Some(nonlinear),
+            systems: vec![feedback],
             ..blank_row(name, None)
         })
     }
@@ -473,6 +487,7 @@ fn blank_row(name: &str, why: Option<DesignFailure>) -> DesignRow {
         linear: None,
         rejection: None,
         nonlinear: None,
+        systems: Vec::new(),
         blocks: Vec::new(),
         weights: None,
         missed: 0.0,

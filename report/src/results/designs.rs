@@ -1,7 +1,7 @@
 //! The table of designs as a result file has it.
 
 use counterpoise_models::ControlledQuantity;
-use counterpoise_pipeline::exchange::UnitValue;
+use counterpoise_pipeline::exchange::{SystemResult, UnitValue};
 use counterpoise_pipeline::studies::designs::{DesignRow, DesignTable};
 use serde::Serialize;
 
@@ -27,6 +27,8 @@ pub struct DesignTableText {
     /// RMS of the white noise of a reading.
     #[serde(flatten)]
     pub reading_noise: UnitValue<f64>,
+    /// The sampled plant of every loop, from the control to the reading.
+    pub systems: Vec<SystemResult>,
     /// The designs, the project's own first.
     pub rows: Vec<DesignRow<String>>,
 }
@@ -42,6 +44,7 @@ impl From<DesignTable> for DesignTableText {
             motion: name_motion(found.motion),
             disturbance: found.disturbance,
             reading_noise: found.reading_noise,
+            systems: found.systems,
             rows: rows.collect(),
         }
     }

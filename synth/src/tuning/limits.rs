@@ -204,6 +204,29 @@ pub fn measure_loop(
     })
 }
 
+/// The two parts of a feedback loop, sampled: its broken loop is `series(&plant, &feedback)`, closed with negative feedback.
+#[derive(Debug, Clone)]
+pub struct LoopParts {
+    /// From the control to the reading.
+    pub plant: StateSpace,
+    /// From the error to the control.
+    pub feedback: StateSpace,
+}
+
+/// Returns the two parts of the feedback loop of any controller on a plant; feedforwards play no part in it.
+///
+/// # Errors
+/// [`Error::Lti`], [`Error::Controller`].
+pub fn loop_parts(
+    plant: &DesignPlant,
+    controller: &Controller,
+    sampling: &Sampling,
+) -> Result<LoopParts, Error> {
+    let linear = controller.linear(sampling.out_of_balance_kg_m)?;
+    let hub = PathSignal::HubRate.reading().unwrap_or(1);
+    Ok(LoopParts { plant: sampled_plant(plant, sampling)?, feedback: hub_path(&linear, hub).negate() })
+}
+
 /// Returns the figures of the feedback loop of any controller on a plant; feedforwards play no part in them.
 ///
 /// # Errors
@@ -214,10 +237,8 @@ pub fn measure_controller(
     sampling: &Sampling,
     disturbance: &Disturbance,
 ) -> Result<LoopMeasures, Error> {
-    let linear = controller.linear(sampling.out_of_balance_kg_m)?;
-    let hub = PathSignal::HubRate.reading().unwrap_or(1);
-    let K = hub_path(&linear, hub).negate();
-    measure_loop(&sampled_plant(plant, sampling)?, &K, disturbance)
+    let LoopParts { plant, feedback } = loop_parts(plant, controller, sampling)?;
+    measure_loop(&plant, &feedback, disturbance)
 }
 
 /// The controller from one reading alone; states that this reading does not drive are at rest and left out.

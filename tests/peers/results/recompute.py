@@ -37,7 +37,11 @@ STILL = 1e-11
 
 def loop_figures(verify):
     loop = named(verify["systems"], "loop")
-    broken, dt = system(loop), loop["sample_time_s"]
+    found = figures_of_loop(system(loop), loop["sample_time_s"])
+    return {**found, "closed_loop_pole_radius": pole_radius(verify)}
+
+
+def figures_of_loop(broken, dt):
     nyquist = math.pi / dt
     rates = np.geomspace(1e-3, nyquist * (1 - 1e-9), 40000)
     one = lambda rate: swept(broken, np.array([rate]), dt)[0, 0, 0]
@@ -62,7 +66,6 @@ def loop_figures(verify):
         "max_sensitivity": largest(rates, np.abs(1 / (1 + values)), sensitivity),
         "max_complementary_sensitivity": largest(rates, np.abs(values / (1 + values)), complementary),
         "crossover_hz": max(modulus, default=0.0) / (2.0 * math.pi),
-        "closed_loop_pole_radius": pole_radius(verify),
     }
 
 

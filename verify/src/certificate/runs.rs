@@ -52,11 +52,14 @@ impl Run {
 
 /// The mechanism at rest: the run that moves more of one with the gear as the load leaves it, and one with its teeth on a flank. If that
 /// one moves more than noise alone but not clearly so, it is repeated with other noise: with backlash or an observer, runs that differ
-/// in noise alone can differ by half.
+/// in noise alone can differ by half. An estimator that learns always has these repetitions: what noise teaches it goes on step by step, and a
+/// single run need not get as far as friction lets it.
 pub(super) fn at_rest(subject: &Subject<'_>) -> Result<Run, Error> {
     let mut found = at_rest_with(subject, subject.procedure.seed)?;
     let floor = subject.noise_floor_rad_s();
-    if found.rms_rad_s <= MOVES_UNSTABLE_FLOORS * floor || found.rms_rad_s > MOVES_FLOORS * floor {
+    let learns = subject.controller.parts().estimator.is_some();
+    let is_quiet = !learns && found.rms_rad_s <= MOVES_UNSTABLE_FLOORS * floor;
+    if is_quiet || found.rms_rad_s > MOVES_FLOORS * floor {
         return Ok(found);
     }
     let (mut most, mut least) = (found.rms_rad_s, found.rms_rad_s);
