@@ -23,8 +23,7 @@ pub fn exported_controller(tested: &TestedDesign<'_>) -> Result<Claim, PipelineE
     let design = margins(&tested.designed.synthesised.sampled.loop_gain)?;
     let exported = &tested.designed.verified.verification().evidence.margins;
     let (before, after) = (design.gain_margin_db(), exported.gain_margin_db());
-    let phase = |margins: &Margins| margins.phase_margin().map_or(f64::NAN, |phase| phase.deg);
-    let (lag_before, lag_after) = (phase(&design), phase(exported));
+    let (lag_before, lag_after) = (phase_margin_deg(&design), phase_margin_deg(exported));
     let made = &tested.designed;
     let ran = run_targets(&made.modelled, &made.verified, &made.procedure)?;
     let words: Vec<String> = ran.figures.iter().map(in_words).collect();
@@ -39,39 +38,48 @@ pub fn exported_controller(tested: &TestedDesign<'_>) -> Result<Claim, PipelineE
             "{files} files written; margins of the design's sampled loop {before:.2} dB, {lag_before:.2} deg, of the exported coefficients {after:.2} dB, {lag_after:.2} deg; the exported operations in the simulated loop, all experiments: {}",
             words.join("; ")
         ),
-        criteria: vec![
-            Criterion::at_most(
-                "gain margins apart, dB",
-                "the same closed loop",
-                (before - after).abs(),
-                0.5,
-                "half a decibel cannot be seen",
-            ),
-            Criterion::at_most(
-                "phase margins apart, deg",
-                "the same closed loop",
-                (lag_before - lag_after).abs(),
-                1.0,
-                "a degree cannot be seen",
-            ),
-            Criterion::at_most(
-                "most that smaller numbers cost, dB",
-                "the same closed loop",
-                most_db,
-                SAME_LOOP_DB,
-                "a hundredth of the hub rate",
-            ),
-            Criterion::at_least(
-                "kinds of numbers that ran in the loop",
-                "runs on the target",
-                ran.figures.len() as f64,
-                3.0,
-                "double, single and fixed point",
-            ),
-        ],
+        criteria: exported_criteria([&design, exported], most_db, ran.figures.len()),
         why: String::new(),
         drawings: drawings(&ran.figures),
     })
+}
+
+/// Returns what is asked of the margins before and after export, of what smaller numbers cost, and of the kinds of numbers that ran.
+fn exported_criteria([before, after]: [&Margins; 2], most_db: f64, kinds: usize) -> Vec<Criterion> {
+    vec![
+        Criterion::at_most(
+            "gain margins apart, dB",
+            "the same closed loop",
+            (before.gain_margin_db() - after.gain_margin_db()).abs(),
+            0.5,
+            "half a decibel cannot be seen",
+        ),
+        Criterion::at_most(
+            "phase margins apart, deg",
+            "the same closed loop",
+            (phase_margin_deg(before) - phase_margin_deg(after)).abs(),
+            1.0,
+            "a degree cannot be seen",
+        ),
+        Criterion::at_most(
+            "most that smaller numbers cost, dB",
+            "the same closed loop",
+            most_db,
+            SAME_LOOP_DB,
+            "a hundredth of the hub rate",
+        ),
+        Criterion::at_least(
+            "kinds of numbers that ran in the loop",
+            "runs on the target",
+            kinds as f64,
+            3.0,
+            "double, single and fixed point",
+        ),
+    ]
+}
+
+fn phase_margin_deg(margins: &Margins) -> f64 {
+    margins.phase_margin().map_or(f64::NAN, |phase| phase.deg)
 }
 
 fn name(numbers: Numbers) -> &'static str {
@@ -125,4 +133,40 @@ fn drawings(figures: &[TargetFigures]) -> Vec<Drawing> {
         make_figure("The control in the loop that each form closes", Axis::linear("sample", ""), panels)
             .with_caption("Heave and pitch on the nonlinear plant. Friction and converters amplify a difference of one rounding; the plant's motion is the same."),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::criterion::Agreement;
+    use counterpoise_linalg::Mat;
+    use counterpoise_lti::{StateSpace, Timebase, series};
+
+    /// The margins of 0.02 / (z - 1) / (z - 0.9), its gain changed by a factor.
+    fn margins_with(factor: f64) -> Margins {
+        let timebase = Timebase::Discrete { period_s: 1e-3 };
+        let integrator = StateSpace::new(one(1.0), one(0.02), one(1.0), one(0.0), timebase).unwrap();
+        let lag = StateSpace::new(one(0.9), one(factor), one(1.0), one(0.0), timebase).unwrap();
+        margins(&series(&lag, &integrator).unwrap()).unwrap()
+    }
+
+    fn one(value: f64) -> Mat {
+        Mat::row(&[value])
+    }
+
+    fn disagreeing(after: &Margins, most_db: f64, kinds: usize) -> Vec<String> {
+        let all = exported_criteria([&margins_with(1.0), after], most_db, kinds);
+        all.into_iter().filter(|one| one.agreement() == Agreement::Disagrees).map(|one| one.what).collect()
+    }
+
+    #[test]
+    fn a_controller_other_than_the_verified_one_fails() {
+        assert!(disagreeing(&margins_with(1.0), 0.0, 3).is_empty());
+        assert_eq!(
+            disagreeing(&margins_with(1.1), 0.0, 3),
+            ["gain margins apart, dB", "phase margins apart, deg"]
+        );
+        assert_eq!(disagreeing(&margins_with(1.0), 0.5, 3), ["most that smaller numbers cost, dB"]);
+        assert_eq!(disagreeing(&margins_with(1.0), 0.0, 2), ["kinds of numbers that ran in the loop"]);
+    }
 }

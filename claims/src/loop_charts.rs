@@ -131,9 +131,8 @@ pub fn open_loop_analyser(tested: &TestedDesign<'_>) -> Result<Claim, PipelineEr
             .min_by(near)
             .map_or(C64::new(f64::NAN, 0.0), |k| curves.broken.response[k])
     };
-    let apart: Vec<C64> = MEASURED_HZ.iter().zip(&measured).map(|(hz, h)| h / predicted(*hz)).collect();
-    let db = apart.iter().map(|r| (20.0 * r.norm().log10()).abs()).fold(0.0, f64::max);
-    let deg = apart.iter().map(|r| r.arg().to_degrees().abs()).fold(0.0, f64::max);
+    let linear: Vec<C64> = MEASURED_HZ.iter().map(|hz| predicted(*hz)).collect();
+    let [db, deg] = largest_differences(&measured, &linear);
     let words: Vec<String> = MEASURED_HZ
         .iter()
         .zip(&measured)
@@ -189,6 +188,13 @@ fn open_loop_criteria(db: f64, deg: f64) -> Vec<Criterion> {
     ]
 }
 
+/// Largest difference of two loops at the same frequencies: of the gain in dB, and of the phase in degrees.
+fn largest_differences(measured: &[C64], linear: &[C64]) -> [f64; 2] {
+    let apart: Vec<C64> = measured.iter().zip(linear).map(|(h, told)| h / told).collect();
+    let largest = |of: &dyn Fn(&C64) -> f64| apart.iter().map(|ratio| of(ratio).abs()).fold(0.0, f64::max);
+    [largest(&|ratio| 20.0 * ratio.norm().log10()), largest(&|ratio| ratio.arg().to_degrees())]
+}
+
 /// T / (1 - T) from the closed loop's response T at each frequency.
 fn open_loop(plant: &Plant, controller: &Controller) -> Result<Vec<C64>, PipelineError> {
     let settings = Settings { least_duration_s: 1.0, ..Settings::default() };
@@ -199,4 +205,24 @@ fn open_loop(plant: &Plant, controller: &Controller) -> Result<Vec<C64>, Pipelin
         Ok(closed / (C64::new(1.0, 0.0) - closed))
     };
     MEASURED_HZ.iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::criterion::Agreement;
+
+    #[test]
+    fn a_loop_other_than_the_designed_one_fails() {
+        let linear: Vec<C64> = [1.0, 0.5, 0.2].iter().map(|gain| C64::from_polar(*gain, -2.0)).collect();
+        let disagreeing = |change: C64| -> Vec<String> {
+            let measured: Vec<C64> = linear.iter().map(|h| h * change).collect();
+            let [db, deg] = largest_differences(&measured, &linear);
+            let all = open_loop_criteria(db, deg).into_iter();
+            all.filter(|one| one.agreement() == Agreement::Disagrees).map(|one| one.what).collect()
+        };
+        assert!(disagreeing(C64::from_polar(1.2, 0.1)).is_empty());
+        assert_eq!(disagreeing(C64::new(1.5, 0.0)), ["largest difference of the gain, dB"]);
+        assert_eq!(disagreeing(C64::from_polar(1.0, -0.5)), ["largest difference of the phase, deg"]);
+    }
 }

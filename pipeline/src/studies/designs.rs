@@ -9,8 +9,8 @@ use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::tuning::{loop_parts, measure_loop};
 use counterpoise_synth::{
-    Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits,
-    Reference, Specification, SynthesisMethod, TuningSubject, best_loop, sampled_plant,
+    Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits, Reference,
+    Specification, SynthesisMethod, TuningSubject, best_loop, sampled_plant,
 };
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear_runs};

@@ -22,20 +22,22 @@ BREAKAGES = {
     ),
     "soft-beam": ([("plant.beam", "youngs_modulus", "4e8")], ["C3", "C9"]),
     "cheap-control": ([("synth.feedback.control", "gain", "0.1")], ["C5", "C27"]),
+    "control-for-nothing": ([("synth.feedback.control", "gain", "0.01")], ["C28"]),
     "friction-of-a-hundredth": (
         [("plant.friction.pivot", "coulomb", "1.17"), ("plant.friction.motor", "coulomb", "0.00065")],
         ["C8", "C11", "C15", "C16", "C18", "C21", "F3"],
     ),
     "tenfold-friction": (
         [("plant.friction.pivot", "coulomb", "1170.0"), ("plant.friction.motor", "coulomb", "0.65")],
-        ["C23", "C34"],
+        ["C23", "C33", "C34"],
     ),
     "balanced": (
         [("plant.lumped", "out_of_balance", "5.0")],
         ["C12", "C13", "C22", "C24", "F4"],
     ),
     # a key that the file does not have stands behind one that it has
-    "misread-rate": ([("plant.sensors.hub_gyro", "noise", "2.0e-4\ngain = 1.3")], ["C19"]),
+    "misread-rate": ([("plant.sensors.hub_gyro", "noise", "2.0e-4\ngain = 1.3")], ["C26"]),
+    "coarse-readings": ([("plant.interface", "input_bits", "6")], ["C19"]),
     "misread-acceleration": ([("plant.sensors.platform_accelerometer", "noise", "5.0e-3\ngain = 1.3")], ["F1"]),
     "coarse-control": ([("plant.interface", "output_bits", "6")], ["C20"]),
     "feedforward-hardly-asked": (
@@ -45,6 +47,16 @@ BREAKAGES = {
             ("plant.lumped", "vertical_offset", "60.0"),
         ],
         ["C6", "C7"],
+    ),
+    # what is left is the base's motion, and friction no part of it
+    "feedforward-hardly-asked-and-half-the-friction": (
+        [
+            ("synth.pitch.error", "gain", "0.3"),
+            ("synth.heave.error", "gain", "0.3"),
+            ("plant.lumped", "vertical_offset", "60.0"),
+            ("plant.friction.pivot", "coulomb", "60.0"),
+        ],
+        ["C32"],
     ),
     # half as much again out of balance takes more than the drive's torque
     "loud-heave": ([("verify.heave", "amplitude", "20.0")], ["C14"]),
