@@ -170,15 +170,20 @@ fn with_schema(text: String) -> String {
     }
 }
 
+/// Prints a note if the studio holds edits of a project that are not in its file.
+pub fn note_unsaved_edits(path: &Path) {
+    if has_unsaved_edits(&state_folder(), path) {
+        let path = path.display();
+        eprintln!(
+            "note: the studio holds edits of {path} that are not in the file; open it there to save or discard them"
+        );
+    }
+}
+
 /// Prints what is suspicious in a project file.
 pub fn print_warnings(loaded: &ProjectOnDisk, progress: ProgressDisplay) {
     if progress == ProgressDisplay::Shown {
-        if has_unsaved_edits(&state_folder(), &loaded.path) {
-            let path = loaded.path.display();
-            eprintln!(
-                "note: the studio holds edits of {path} that are not in the file; open it there to save or discard them"
-            );
-        }
+        note_unsaved_edits(&loaded.path);
         if loaded.adaptation_is_left_out() {
             eprintln!("note: {LEFT_OUT_BY_TRIALS}; {EXPORTED_BY_BANDS}");
         }

@@ -15,14 +15,15 @@ use counterpoise_project::resolve::fixed_structure::{
 };
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_simulate::Simulator;
-use counterpoise_synth::tuning::measure_loop;
+use counterpoise_synth::tuning::{RangeEnd, measure_loop};
 use counterpoise_synth::{
     BestLoop, Block, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling,
     TunedDesign, TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune_parameters,
 };
 use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear_runs};
-use serde::Serialize;
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
 use std::f64::consts::TAU;
 
 use crate::exchange::UnitValue;
@@ -46,6 +47,8 @@ pub struct TunedProject {
     pub tuned: TunedDesign,
     /// Disturbance for which the loop was tuned.
     pub disturbance: Disturbance,
+    /// Objective that was minimised; a band if the project moves nothing.
+    pub objective: TuningObjective,
     /// Limits that it must keep.
     pub limits: LoopLimits,
     /// Plants on which it keeps that.
@@ -67,6 +70,13 @@ pub struct TuningGround {
     pub sampling: Sampling,
     /// Disturbance that acts on the loop.
     pub disturbance: Disturbance,
+}
+
+impl TuningGround {
+    /// Returns what decides the units of the figures of loops that control a quantity.
+    pub fn measured_loops(&self, controlled: ControlledQuantity) -> MeasuredLoops {
+        MeasuredLoops { objective: self.objective, controlled }
+    }
 }
 
 /// Returns the project with the open parameters of its blocks tuned, or with its weights if `[synth.tune]` asks for them; `None` if
@@ -95,7 +105,14 @@ pub fn with_tuned_structure(
     let mut stated = asked.clone();
     put_in_place(&tuned.feedback, &mut stated);
     let project = Project { synth: Some(stated), ..project.clone() };
-    Ok(Some(TunedProject { project, tuned, disturbance: ground.disturbance, limits: wanted.limits, plants }))
+    Ok(Some(TunedProject {
+        project,
+        tuned,
+        disturbance: ground.disturbance,
+        objective: ground.objective,
+        limits: wanted.limits,
+        plants,
+    }))
 }
 
 /// A project with everything that its file leaves to the program: weights chosen, blocks or weights tuned, bands of an adaptation chosen.
@@ -455,18 +472,64 @@ pub struct LoopMeasuresResult {
     pub noise_gain: f64,
     /// Largest |KS|, V s/rad.
     pub control_peak: f64,
-    /// RMS control of the feedback under the disturbance, V.
-    pub effort_v: f64,
-    /// RMS of what the loop controls that the disturbance leaves.
+    /// Effort and residual under the disturbance.
     #[serde(flatten)]
-    pub residual: UnitValue<f64>,
+    pub disturbed: DisturbedFigures,
     /// Slowest decay of a pole of the closed loop, rad/s.
     pub decay_rad_s: f64,
 }
 
+/// What a loop takes and what it leaves under the disturbance for which it is measured. Under a motion the keys are `effort_v` and, in a loop of
+/// rate, `residual_rad_s`; over a band, whose disturbance has an RMS of 1, the pure numbers per unit are `effort` (RMS of |KS|) and `residual` (RMS
+/// of |S|).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DisturbedFigures {
+    /// Kind of the disturbance.
+    pub objective: TuningObjective,
+    /// Quantity that the loop controls.
+    pub controlled: ControlledQuantity,
+    /// RMS control of the feedback: V under a motion, V per unit of what the loop controls over a band.
+    pub effort: f64,
+    /// RMS that is left: in the unit of what the loop controls under a motion, a share of 1 over a band.
+    pub residual: f64,
+}
+
+impl Serialize for DisturbedFigures {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(2))?;
+        match self.objective {
+            TuningObjective::Motion => {
+                map.serialize_entry("effort_v", &self.effort)?;
+                map.serialize_entry(&self.controlled.key_of("residual"), &self.residual)?;
+            }
+            TuningObjective::Band => {
+                map.serialize_entry("effort", &self.effort)?;
+                map.serialize_entry("residual", &self.residual)?;
+            }
+        }
+        map.end()
+    }
+}
+
+/// The objective of a tuning and the quantity that its loops control, which decide in which units their figures are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredLoops {
+    /// Objective.
+    pub objective: TuningObjective,
+    /// Quantity that the loops control.
+    pub controlled: ControlledQuantity,
+}
+
+impl MeasuredLoops {
+    fn disturbed(self, effort: f64, residual: f64) -> DisturbedFigures {
+        let Self { objective, controlled } = self;
+        DisturbedFigures { objective, controlled, effort, residual }
+    }
+}
+
 impl LoopMeasuresResult {
     /// Returns the figures of the best linear feedback. The bound has no controller: margins, crossover and decay are NaN.
-    pub fn of_bound(found: &BestLoop, controlled: ControlledQuantity) -> Self {
+    pub fn of_bound(found: &BestLoop, loops: MeasuredLoops) -> Self {
         Self {
             max_sensitivity: found.max_sensitivity,
             max_complementary: found.max_complementary,
@@ -476,14 +539,13 @@ impl LoopMeasuresResult {
             crossover_rad_s: f64::NAN,
             noise_gain: found.noise_gain,
             control_peak: found.control_peak,
-            effort_v: found.effort_v,
-            residual: UnitValue::new("residual", controlled, found.residual_rad_s),
+            disturbed: loops.disturbed(found.effort_v, found.residual_rad_s),
             decay_rad_s: f64::NAN,
         }
     }
 
     /// Returns the figures of a loop that controls a quantity.
-    pub fn of(m: &LoopMeasures, controlled: ControlledQuantity) -> Self {
+    pub fn of(m: &LoopMeasures, loops: MeasuredLoops) -> Self {
         Self {
             max_sensitivity: m.max_sensitivity,
             max_complementary: m.max_complementary,
@@ -493,8 +555,7 @@ impl LoopMeasuresResult {
             crossover_rad_s: m.crossover_rad_s,
             noise_gain: m.noise_gain,
             control_peak: m.control_peak,
-            effort_v: m.effort_v,
-            residual: UnitValue::new("residual", controlled, m.residual_rad_s),
+            disturbed: loops.disturbed(m.effort_v, m.residual_rad_s),
             decay_rad_s: m.decay_rad_s,
         }
     }
@@ -519,6 +580,19 @@ pub struct TuningResult {
     pub starts: UnitValue<Vec<Option<f64>>>,
     /// Loops that were evaluated.
     pub evaluations: usize,
+    /// Parameters that ended at an end of their range.
+    pub range_ends: Vec<RangeEndResult>,
+}
+
+/// A parameter of a block that was tuned to an end of its range.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RangeEndResult {
+    /// Number of the block, from 1.
+    pub block: usize,
+    /// Key of the parameter.
+    pub parameter: &'static str,
+    /// Lowest and highest value of the range.
+    pub range: [f64; 2],
 }
 
 /// A block as plain data.
@@ -535,6 +609,12 @@ impl From<&Block> for BlockResult {
         let names = block.kind.parameters().iter().map(|name| name.key());
         let values = block.parameters.iter().map(|each| each.value.unwrap_or(f64::NAN));
         Self { kind: block.kind.name(), values: names.zip(values).collect() }
+    }
+}
+
+impl From<&RangeEnd> for RangeEndResult {
+    fn from(end: &RangeEnd) -> Self {
+        Self { block: end.block + 1, parameter: end.parameter.key(), range: end.range }
     }
 }
 
@@ -571,15 +651,20 @@ impl TuningResult {
     /// Returns the tuning of a loop that controls a quantity.
     pub fn of(found: &TunedProject, controlled: ControlledQuantity) -> Self {
         let tuned = &found.tuned;
+        let loops = MeasuredLoops { objective: found.objective, controlled };
         let reached = tuned.starts_rad_s.iter().map(|residual| Some(*residual).filter(|r| r.is_finite()));
         Self {
             blocks: block_results(&tuned.structure()),
             weights: weights_result(&tuned.feedback),
-            measures: tuned.measures.iter().map(|m| LoopMeasuresResult::of(m, controlled)).collect(),
+            measures: tuned.measures.iter().map(|m| LoopMeasuresResult::of(m, loops)).collect(),
             plants: found.plants,
             missed: tuned.missed,
-            starts: UnitValue::new("starts", controlled, reached.collect()),
+            starts: match found.objective {
+                TuningObjective::Motion => UnitValue::new("starts", controlled, reached.collect()),
+                TuningObjective::Band => UnitValue::pure_number("starts", reached.collect()),
+            },
             evaluations: tuned.evaluations,
+            range_ends: tuned.range_ends.iter().map(RangeEndResult::from).collect(),
         }
     }
 }

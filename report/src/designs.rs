@@ -3,9 +3,10 @@
 use counterpoise_models::{AxisKind as Travel, ControlledQuantity, QuantityKind};
 use counterpoise_pipeline::ProjectIdentity;
 use counterpoise_pipeline::studies::designs::{DesignRow, LimitsResult};
-use counterpoise_pipeline::tuning::{BlockResult, WeightsResult};
+use counterpoise_pipeline::tuning::{BlockResult, DisturbedFigures, MeasuredLoops, WeightsResult};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
+use counterpoise_project::TuningObjective;
 
 use crate::results::DesignTableText;
 use crate::wording::capitalise_first;
@@ -14,35 +15,40 @@ use crate::{
     ReportTable,
 };
 
-/// The columns of the table: name of the controlled quantity, a thousandth of its unit, unit of a gain from a reading to the control.
+/// The columns of the table: name of the controlled quantity, a thousandth of its unit, unit of a gain from a reading to the control. Behind
+/// them, what the effort is over a band.
 macro_rules! heads {
     ($name:literal, $milli:literal, $gain:literal) => {
-        [
-            "order",
-            "Ms",
-            "Mt",
-            "gain margin [dB]",
-            "phase margin [deg]",
-            "delay margin [ms]",
-            "decay [rad/s]",
-            concat!("noise gain [", $gain, "]"),
-            concat!("largest KS [", $gain, "]"),
-            "effort [V]",
-            "RMS of S, 0.2 to 2 Hz",
-            concat!("residual ", $name, " [", $milli, "]"),
-            concat!("step [", $milli, "]"),
-            concat!("sines [", $milli, "]"),
-            concat!("motion [", $milli, "]"),
-            concat!("rest [", $milli, "]"),
-            "control [V]",
-            "time [s]",
-        ]
+        (
+            [
+                "order",
+                "Ms",
+                "Mt",
+                "gain margin [dB]",
+                "phase margin [deg]",
+                "delay margin [ms]",
+                "decay [rad/s]",
+                concat!("noise gain [", $gain, "]"),
+                concat!("largest KS [", $gain, "]"),
+                "effort [V]",
+                "RMS of S, 0.2 to 2 Hz",
+                concat!("residual ", $name, " [", $milli, "]"),
+                concat!("step [", $milli, "]"),
+                concat!("sines [", $milli, "]"),
+                concat!("motion [", $milli, "]"),
+                concat!("rest [", $milli, "]"),
+                "control [V]",
+                "time [s]",
+            ],
+            concat!("RMS of KS in the band [", $gain, "]"),
+        )
     };
 }
 
-/// Returns what each column of the table is, in a loop of a quantity.
-pub fn table_columns(controlled: ControlledQuantity) -> [&'static str; 18] {
-    match (controlled.kind, controlled.axis) {
+/// Returns what each column of the table is: effort and residual are those under a motion, or shares of 1 over a band.
+pub fn table_columns(loops: MeasuredLoops) -> [&'static str; 18] {
+    let controlled = loops.controlled;
+    let (mut all, effort_of_band) = match (controlled.kind, controlled.axis) {
         (QuantityKind::Rate, Travel::Rotary) => heads!("hub rate", "mrad/s", "V s/rad"),
         (QuantityKind::Rate, Travel::Linear) => heads!("slide speed", "mm/s", "V s/m"),
         (QuantityKind::Position, Travel::Rotary) => heads!("hub angle", "mrad", "V/rad"),
@@ -50,25 +56,37 @@ pub fn table_columns(controlled: ControlledQuantity) -> [&'static str; 18] {
         (QuantityKind::Effort, Travel::Rotary) => heads!("transmitted torque", "mN m", "V/(N m)"),
         (QuantityKind::Effort, Travel::Linear) => heads!("transmitted force", "mN", "V/N"),
         (QuantityKind::Current, _) => heads!("controlled current", "mA", "V/A"),
+    };
+    if loops.objective == TuningObjective::Band {
+        (all[EFFORT], all[RESIDUAL]) = (effort_of_band, "RMS of S in the band");
     }
+    all
 }
+
+/// Places of columns.
+const NOISE_GAIN: usize = 7;
+const EFFORT: usize = 9;
+const RESIDUAL: usize = 11;
 
 /// Returns what the column of the noise gain is.
 pub fn noise_gain_column(controlled: ControlledQuantity) -> &'static str {
-    table_columns(controlled)[7]
+    table_columns(MeasuredLoops { objective: TuningObjective::Motion, controlled })[NOISE_GAIN]
 }
 
 /// Returns what the columns mean, for a reader of the table.
-pub fn column_legend(controlled: ControlledQuantity) -> [String; 4] {
-    let (name, short) = (controlled.name(), controlled.short_name());
+pub fn column_legend(loops: MeasuredLoops) -> [String; 4] {
+    let (name, short) = (loops.controlled.name(), loops.controlled.short_name());
     [
         "Order: states of the feedback. Decay: the slowest pole of the closed loop. Margins, noise gain (RMS control for readings with noise of unit RMS), largest KS and |S| are those of the \
          sampled linear loop."
             .to_owned(),
-        format!(
-            "Residual {name} and effort: RMS {short} and RMS control that the estimated disturbance at the output leaves in the linear loop; a tuned structure makes the \
-             residual {name} least."
-        ),
+        match loops.objective {
+            TuningObjective::Motion => format!(
+                "Residual {name} and effort: RMS {short} and RMS control that the estimated disturbance at the output leaves in the linear loop; a tuned structure makes the \
+                 residual {name} least."
+            ),
+            TuningObjective::Band => "RMS of S and of KS in the band: even over the logarithm of frequency; a tuned structure makes that of S least.".to_owned(),
+        },
         format!(
             "Step, sines, motion, rest: RMS of the true {name} less its demand in the nonlinear closed loop with friction, backlash, converters and noise. Every \
              design has the project's feedforwards and friction observers, except a joint optimum, which is one controller."
@@ -99,9 +117,9 @@ pub fn design_cells(row: &DesignRow<String>, time_s: Option<f64>) -> Vec<String>
         linear(|m| m.decay_rad_s),
         linear(|m| m.noise_gain),
         linear(|m| m.control_peak),
-        linear(|m| m.effort_v),
+        linear(|m| m.disturbed.effort),
         number(row.rejection),
-        linear(|m| 1e3 * m.residual.value),
+        linear(|m| shown_residual(&m.disturbed)),
         run(|r| 1e3 * r.step.value),
         run(|r| 1e3 * r.sines.value),
         number(row.nonlinear.as_ref().and_then(|r| r.motion.value).map(|rate| 1e3 * rate)),
@@ -109,6 +127,14 @@ pub fn design_cells(row: &DesignRow<String>, time_s: Option<f64>) -> Vec<String>
         run(|r| r.control_v),
         number(time_s),
     ]
+}
+
+/// Returns a residual as the tables show it: a thousandth of a unit for 1 under a motion, a pure number over a band.
+pub fn shown_residual(figures: &DisturbedFigures) -> f64 {
+    match figures.objective {
+        TuningObjective::Motion => 1e3 * figures.residual,
+        TuningObjective::Band => figures.residual,
+    }
 }
 
 /// Returns the limits of a row in words.
@@ -180,7 +206,7 @@ pub fn design_remarks(row: &DesignRow<String>, controlled: ControlledQuantity) -
 
 /// Returns the table in Markdown, with its legend.
 pub fn markdown_table(table: &DesignTableText, times_s: &[f64]) -> String {
-    let columns = table_columns(table.controlled);
+    let columns = table_columns(table.loops);
     let mut text = format!("| design | {} |\n", columns.join(" | "));
     text += &format!("|---|{}\n", "---|".repeat(columns.len()));
     for (k, row) in table.rows.iter().enumerate() {
@@ -189,13 +215,13 @@ pub fn markdown_table(table: &DesignTableText, times_s: &[f64]) -> String {
     }
     text.push('\n');
     for (k, row) in table.rows.iter().enumerate() {
-        let words = design_remarks(row, table.controlled);
+        let words = design_remarks(row, table.loops.controlled);
         if !words.is_empty() {
             text += &format!("{}. {}: {}.\n", k + 1, row.name, words.join("; "));
         }
     }
     text.push('\n');
-    for line in column_legend(table.controlled) {
+    for line in column_legend(table.loops) {
         text += &format!("{line}\n");
     }
     text
@@ -203,9 +229,9 @@ pub fn markdown_table(table: &DesignTableText, times_s: &[f64]) -> String {
 
 /// Returns the page.
 pub fn comparison_report(table: &DesignTableText, times_s: &[f64], origin: &ReportOrigin) -> Report {
-    let controlled = table.controlled;
+    let controlled = table.loops.controlled;
     let mut heads = vec![ReportColumn::Text("design")];
-    heads.extend(table_columns(controlled).map(ReportColumn::Number));
+    heads.extend(table_columns(table.loops).map(ReportColumn::Number));
     let mut shown = ReportTable::new("Designs", &heads);
     for (k, row) in table.rows.iter().enumerate() {
         let mut line = vec![ReportCell::text(row.name.clone())];
@@ -219,7 +245,7 @@ pub fn comparison_report(table: &DesignTableText, times_s: &[f64], origin: &Repo
             details = details.with_text(format!("{}: {}.", row.name, remarks.join("; ")));
         }
     }
-    let legend = column_legend(controlled)
+    let legend = column_legend(table.loops)
         .into_iter()
         .fold(ReportSection::new("Columns"), |section, line| section.with_text(line));
     let best = best_row(table);
@@ -267,7 +293,7 @@ fn figure(table: &DesignTableText) -> Option<Figure> {
         .collect();
     // The series gives the axes their range; its points lie under the rings.
     let series = Series::dotted_line("", Colour::Muted, points);
-    let controlled = table.controlled;
+    let controlled = table.loops.controlled;
     let y = Axis::linear(
         &format!("{} under the motion", controlled.name()),
         &format!("{} RMS", controlled.milli_unit()),
@@ -314,12 +340,18 @@ mod tests {
             for axis in [Travel::Rotary, Travel::Linear] {
                 let controlled = ControlledQuantity { kind, axis, ..ControlledQuantity::RATE };
                 let (milli, gain) = (controlled.milli_unit(), controlled.gain_unit());
-                let own = table_columns(controlled);
+                let loops = MeasuredLoops { objective: TuningObjective::Motion, controlled };
+                let own = table_columns(loops);
                 assert_eq!(own[7], format!("noise gain [{gain}]"));
                 assert_eq!(own[8], format!("largest KS [{gain}]"));
                 assert_eq!(own[11], format!("residual {} [{milli}]", controlled.name()));
                 assert!(own[12..16].iter().all(|name| name.ends_with(&format!("[{milli}]"))), "{own:?}");
-                assert!(column_legend(controlled)[2].contains(controlled.name()));
+                assert!(column_legend(loops)[1].contains(controlled.name()));
+                assert!(column_legend(loops)[2].contains(controlled.name()));
+                let band = MeasuredLoops { objective: TuningObjective::Band, controlled };
+                assert_eq!(table_columns(band)[EFFORT], format!("RMS of KS in the band [{gain}]"));
+                assert_eq!(table_columns(band)[RESIDUAL], "RMS of S in the band");
+                assert!(column_legend(band)[1].starts_with("RMS of S and of KS in the band"));
             }
         }
     }

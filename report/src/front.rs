@@ -1,9 +1,10 @@
 //! The front of a project's designs: every kind on one plot, with the tuned PI as the bar to clear.
 
-use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::ProjectIdentity;
+use counterpoise_pipeline::tuning::MeasuredLoops;
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
+use counterpoise_project::TuningObjective;
 use counterpoise_synth::FrontObjective;
 
 use crate::designs::{block_words, limits_words, table_columns, weight_words};
@@ -36,9 +37,10 @@ pub struct ObjectiveWords {
 }
 
 impl ObjectiveWords {
-    /// Returns the words for an objective of a loop that controls a quantity.
-    pub fn of(objective: FrontObjective, controlled: ControlledQuantity) -> Self {
+    /// Returns the words for an objective of loops.
+    pub fn of(objective: FrontObjective, loops: MeasuredLoops) -> Self {
         let (column, scale) = match objective {
+            FrontObjective::Residual if loops.objective == TuningObjective::Band => (11, 1.0),
             FrontObjective::Residual => (11, 1e3),
             FrontObjective::Effort => (9, 1.0),
             FrontObjective::NoiseGain => (7, 1.0),
@@ -49,7 +51,7 @@ impl ObjectiveWords {
             FrontObjective::PhaseMargin => (4, 1.0),
             FrontObjective::DelayMargin => (5, 1e3),
         };
-        let heading = table_columns(controlled)[column];
+        let heading = table_columns(loops)[column];
         let (name, unit) = heading.split_once(" [").unwrap_or((heading, ""));
         Self { heading, name, unit: unit.trim_end_matches(']'), scale }
     }
@@ -62,7 +64,7 @@ impl ObjectiveWords {
 
 /// Returns the columns of the objectives, in words.
 pub fn objective_words(front: &FrontText) -> Vec<ObjectiveWords> {
-    front.objectives.iter().map(|each| ObjectiveWords::of(*each, front.controlled)).collect()
+    front.objectives.iter().map(|each| ObjectiveWords::of(*each, front.loops)).collect()
 }
 
 /// Returns how a design stands against the others.
@@ -77,7 +79,7 @@ pub fn standing_words(design: &FrontDesign) -> &'static str {
 /// Returns what a design consists of.
 pub fn content_words(front: &FrontText, design: &FrontDesign) -> String {
     match &design.weights {
-        Some(weights) => weight_words(weights, front.controlled),
+        Some(weights) => weight_words(weights, front.loops.controlled),
         None => design.blocks.iter().map(block_words).collect::<Vec<_>>().join(" "),
     }
 }

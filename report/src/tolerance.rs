@@ -36,3 +36,6 @@ pub(crate) const DECADE: f64 = 10.0;
 
 /// Distance of a pole's modulus from 1 below which it is written as a distance: six decimals show fewer than three digits of it.
 pub(crate) const SHOWN_DISTANCE: f64 = 1e-4;
+
+/// A gain of a part that lowers the total cost of an assembled loop by less than this is not worth a word, %.
+pub(crate) const WORTH_A_WORD_PERCENT: f64 = 1.0;

@@ -232,6 +232,15 @@ pub const REGION_REACH: f64 = 2.0;
 /// A delay of so little more than whole samples is one of whole samples: the quotient of two decimal numbers is rounded.
 pub const ROUNDED_SAMPLE: f64 = 1e-6;
 
+/// Highest corner of a block whose range is not stated, over the highest frequency of the grid. The bilinear map gives a corner at ten times half the sample rate a pole
+/// at z = -0.88: a faster one would ring at half the sample rate.
+pub(crate) const FASTEST_CORNER: f64 = 10.0;
+/// The same of a low-pass, which the bilinear map gives a zero at z = -1 that cancels the pole: so fast, it does nothing.
+pub(crate) const FASTEST_LOW_PASS: f64 = 1000.0;
+/// A low-pass whose corner times the sample period exceeds this does nothing at any frequency of the loop.
+pub(crate) const IDLE_LOW_PASS: f64 = 100.0;
+/// A tuned parameter is at an end of its range if it is no further from it than this, as a natural logarithm: the last steps of a descent are smaller.
+pub(crate) const AT_RANGE_END: f64 = 1e-3;
 /// Share of the highest frequency of the tuning grid below which the plant's response does not widen the range of an open gain: three decades below
 /// half the sampling rate the response of an integrating plant grows without limit, and no crossover lies there.
 pub(crate) const GAIN_RANGE_SHARE: f64 = 1e-3;

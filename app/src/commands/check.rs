@@ -55,6 +55,7 @@ pub fn run(options: &CheckOptions) -> CommandResult {
         Ok(parsed) => {
             let found = describe_check(check_project(&document, &parsed, options.results.loop_systems()));
             if !output::write_result(&options.results, &found)? {
+                output::note_unsaved_edits(&path);
                 check_lines(&found).iter().for_each(|line| say!("{line}"));
             }
             Ok(ExitStatus::SUCCESS)

@@ -7,6 +7,7 @@ use counterpoise_pipeline::PipelineStage;
 use counterpoise_pipeline::studies::designs::{ComparisonRequest, design_table};
 use counterpoise_project::Purpose;
 use counterpoise_report::results::DesignTableText;
+use counterpoise_report::terminal::comparison::comparison_lines;
 use counterpoise_report::{ReportOrigin, designs};
 use counterpoise_synth::LoopLimits;
 use serde::Serialize;
@@ -67,7 +68,7 @@ pub fn run(options: &CompareOptions) -> CommandResult {
         output::write_report(path, &options.results, &page)?;
     }
     if !output::write_result(&options.results, &TimedTable { table: &table, design_time_s: &times_s })? {
-        print(&table, &times_s);
+        output::print_lines(&comparison_lines(&table, &times_s));
         options.markdown.iter().for_each(|path| say!("table   {}", path.display()));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
@@ -96,32 +97,6 @@ fn limits(text: &str) -> Result<LoopLimits> {
         control_peak: or_none(peak),
         ..LoopLimits::default()
     })
-}
-
-/// Width of the column of names: "residual transmitted torque [mN m]" and a space.
-const WIDEST_NAME: usize = 35;
-
-/// Prints the table with one design a column, because it has more figures than a terminal has columns.
-fn print(table: &DesignTableText, times_s: &[f64]) {
-    say!("{}: tuned structures make least: {}", table.name, table.objective);
-    say!();
-    for (k, row) in table.rows.iter().enumerate() {
-        say!("{}  {}", k + 1, row.name);
-        designs::design_remarks(row, table.controlled).iter().for_each(|line| say!("     {line}"));
-    }
-    say!();
-    let heads: String = (1..=table.rows.len()).map(|k| format!("{k:>11}")).collect();
-    say!("{:WIDEST_NAME$}{heads}", "");
-    let columns: Vec<Vec<String>> = table
-        .rows
-        .iter()
-        .enumerate()
-        .map(|(k, row)| designs::design_cells(row, times_s.get(k).copied()))
-        .collect();
-    for (line, name) in designs::table_columns(table.controlled).iter().enumerate() {
-        let cells: String = columns.iter().map(|cells| format!("{:>11}", cells[line])).collect();
-        say!("{name:WIDEST_NAME$}{cells}");
-    }
 }
 
 #[cfg(test)]

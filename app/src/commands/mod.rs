@@ -23,5 +23,4 @@ pub mod sweep;
 pub mod synth;
 mod synth_front;
 mod synth_outputs;
-pub mod tuning;
 pub mod verify;

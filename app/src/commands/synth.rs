@@ -24,6 +24,7 @@ use counterpoise_report::results::search::SearchText;
 use counterpoise_report::results::{ComparisonText, FirstDesignText, SynthText};
 use counterpoise_report::terminal::search::search_lines;
 use counterpoise_report::terminal::synthesis::synthesis_lines;
+use counterpoise_report::terminal::tuning::tuning_lines;
 use counterpoise_report::trade_off::VerifiedPoint;
 use counterpoise_report::{of_synthesis, trade_off};
 
@@ -98,7 +99,9 @@ pub fn run(options: &SynthOptions) -> CommandResult {
     let whole = SynthOutput { synth: &result, beside, first_design, tuning };
     if !output::write_result(&options.outputs.results, &whole)? {
         super::first_design::print_first_design(&loaded);
-        super::tuning::print_tuning(&loaded);
+        if let Some(tuned) = &loaded.tuned {
+            output::print_lines(&tuning_lines(tuned, controlled));
+        }
         output::print_lines(&synthesis_lines(&study, &result));
         options.save.iter().for_each(|path| print_saved(&loaded, path));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));

@@ -10,8 +10,8 @@ use serde::{Serialize, Serializer};
 pub struct UnitValue<T> {
     /// The key without its unit.
     pub stem: &'static str,
-    /// Quantity that the loop controls.
-    pub controlled: ControlledQuantity,
+    /// Quantity whose unit the value has; `None` for a pure number, whose key is the stem.
+    pub controlled: Option<ControlledQuantity>,
     /// The value, in the unit of what the loop controls.
     pub value: T,
 }
@@ -19,14 +19,20 @@ pub struct UnitValue<T> {
 impl<T> UnitValue<T> {
     /// Returns a value of a quantity, whose key begins with a stem.
     pub const fn new(stem: &'static str, controlled: ControlledQuantity, value: T) -> Self {
-        Self { stem, controlled, value }
+        Self { stem, controlled: Some(controlled), value }
+    }
+
+    /// Returns a value without a unit.
+    pub const fn pure_number(stem: &'static str, value: T) -> Self {
+        Self { stem, controlled: None, value }
     }
 }
 
 impl<T: Serialize> Serialize for UnitValue<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(1))?;
-        map.serialize_entry(&self.controlled.key_of(self.stem), &self.value)?;
+        let key = self.controlled.map_or(self.stem.to_owned(), |controlled| controlled.key_of(self.stem));
+        map.serialize_entry(&key, &self.value)?;
         map.end()
     }
 }

@@ -2,7 +2,6 @@
 //! and friction observers, the tuned ones under the limits that the own controller reaches and under further ones.
 
 use counterpoise_controller::Controller;
-use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::fixed_structure::{TuningObjective, TuningOptions};
 use counterpoise_project::resolve::synthesis::DesignRequest;
@@ -18,8 +17,8 @@ use serde::Serialize;
 
 use crate::exchange::{SystemResult, UnitValue};
 use crate::tuning::{
-    BlockResult, LoopMeasuresResult, TuningGround, WeightsResult, block_results, own_procedure, put_in_place,
-    tune_feedback, tuning_ground, weights_result,
+    BlockResult, LoopMeasuresResult, MeasuredLoops, TuningGround, WeightsResult, block_results,
+    own_procedure, put_in_place, tune_feedback, tuning_ground, weights_result,
 };
 use crate::{
     PipelineError, PipelineStage, PlantModel, ProjectIdentity, ReducedPlant, SynthesisedDesign, World,
@@ -33,8 +32,8 @@ pub struct DesignTable {
     pub name: String,
     /// Hash of the project.
     pub hash: String,
-    /// The quantity that the loop controls: every figure of a rate is one of it, in its unit.
-    pub controlled: ControlledQuantity,
+    /// The quantity that the loops control, and in which units their figures are.
+    pub loops: MeasuredLoops,
     /// Objective of the tuned structures.
     pub objective: TableObjective,
     /// Motion that the last nonlinear run has.
@@ -140,7 +139,7 @@ pub struct BoundGap {
 impl<Reason> DesignRow<Reason> {
     /// Returns how far the bound is known; `None` if the row is no bound.
     pub fn bound_gap(&self) -> Option<BoundGap> {
-        let (bound, value) = (self.bound.as_ref()?, self.linear.as_ref()?.residual.value);
+        let (bound, value) = (self.bound.as_ref()?, self.linear.as_ref()?.disturbed.residual);
         Some(BoundGap {
             above_dual_percent: 100.0 * (value / bound.lower_bound - 1.0),
             half_basis_percent: bound.half_basis.map(|half| 100.0 * (half / value - 1.0)),
@@ -281,7 +280,8 @@ pub fn design_table(
     let plant = SystemResult::new("plant", &system, &["control_v"], &["reading_of_hub_rate_rad_s"]);
     let systems = vec![plant.of_loop(controlled)];
     let (name, hash) = (identity.name, identity.hash);
-    Ok(DesignTable { name, hash, controlled, objective, motion, disturbance, reading_noise, systems, rows })
+    let loops = ground.measured_loops(controlled);
+    Ok(DesignTable { name, hash, loops, objective, motion, disturbance, reading_noise, systems, rows })
 }
 
 /// Name of the H2 feedback whose weights were tuned.
@@ -414,8 +414,10 @@ impl RowBuilder<'_> {
                     basis: found.basis,
                     frequencies: found.frequencies,
                 };
-                let linear =
-                    Some(LoopMeasuresResult::of_bound(&found, self.project.plant.controlled_quantity()));
+                let linear = Some(LoopMeasuresResult::of_bound(
+                    &found,
+                    self.ground.measured_loops(self.project.plant.controlled_quantity()),
+                ));
                 let rejection = is_band.then_some(found.residual_rad_s);
                 DesignRow { linear, rejection, bound: Some(bound), ..blank_row(name, None) }
             }
@@ -439,7 +441,10 @@ impl RowBuilder<'_> {
         };
         Ok(DesignRow {
             order,
-            linear: Some(LoopMeasuresResult::of(&linear, self.project.plant.controlled_quantity())),
+            linear: Some(LoopMeasuresResult::of(
+                &linear,
+                self.ground.measured_loops(self.project.plant.controlled_quantity()),
+            )),
             rejection: Some(rejection),
             nonlinear: Some(nonlinear),
             systems: vec![feedback],

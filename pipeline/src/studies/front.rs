@@ -1,7 +1,6 @@
 //! The front of a project's designs: the kinds that may stand in the place of its feedback, each with the designs of which none is better than another in
 //! every objective, on the same plant and for the same motion; and the project with one of them.
 
-use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::fixed_structure::{TuningObjective, TuningOptions};
 use counterpoise_project::resolve::front::FrontOptions;
@@ -19,8 +18,8 @@ use super::front_edges::{PlacedFigures, best_figures, best_places};
 use crate::exchange::UnitValue;
 use crate::tolerance::TUNED_LIMIT_KEPT;
 use crate::tuning::{
-    BlockResult, LoopMeasuresResult, TuningGround, WeightsResult, block_results, own_procedure, put_in_place,
-    tune_feedback, tuning_ground, weights_result,
+    BlockResult, LoopMeasuresResult, MeasuredLoops, TuningGround, WeightsResult, block_results,
+    own_procedure, put_in_place, tune_feedback, tuning_ground, weights_result,
 };
 use crate::{
     PipelineError, PipelineStage, PlantModel, ProjectIdentity, ReducedPlant, World, build_plant_model,
@@ -32,8 +31,8 @@ use crate::{
 pub struct ProjectFront {
     /// Name and hash of the project.
     pub identity: ProjectIdentity,
-    /// The quantity that the loop controls: every figure of a rate is one of it, in its unit.
-    pub controlled: ControlledQuantity,
+    /// The quantity that the loops control, and in which units their figures are.
+    pub loops: MeasuredLoops,
     /// What the residual is.
     pub objective: TableObjective,
     /// Whether the residual is that of the project's own motion; otherwise of the sines of the procedure, or of a band.
@@ -164,7 +163,7 @@ pub fn project_front(
     let controlled = project.plant.controlled_quantity();
     Ok(ProjectFront {
         identity: ProjectIdentity::of(project, world),
-        controlled,
+        loops: ground.measured_loops(controlled),
         objective: match ground.objective {
             TuningObjective::Motion => TableObjective::Motion,
             TuningObjective::Band => TableObjective::Band(wanted.band_rad_s),
@@ -292,10 +291,10 @@ impl FrontStage<'_> {
             let kind = kinds.len();
             let DesignFront { points: found, evaluations, is_complete } = front;
             kinds.push(FrontKind { name, role, evaluations, is_complete, edges: Vec::new(), why });
-            let controlled = self.project.plant.controlled_quantity();
+            let loops = self.ground.measured_loops(self.project.plant.controlled_quantity());
             let of_kind = |point: FrontPoint| KindPoint {
                 kind,
-                linear: point.measures.first().map(|first| LoopMeasuresResult::of(first, controlled)),
+                linear: point.measures.first().map(|first| LoopMeasuresResult::of(first, loops)),
                 blocks: feedback_blocks(&point.feedback),
                 weights: weights_result(&point.feedback),
                 point,
@@ -448,8 +447,10 @@ impl FrontStage<'_> {
         let plants = self.ground.plants.iter().chain(&self.ground.mechanisms);
         let measures = plants.map(measure).collect::<Result<Vec<_>, _>>()?;
         let figures = objectives.iter().map(|each| each.worst_figure(&measures)).collect();
-        let controlled = self.project.plant.controlled_quantity();
-        let linear = LoopMeasuresResult::of(&measures[0], controlled);
+        let linear = LoopMeasuresResult::of(
+            &measures[0],
+            self.ground.measured_loops(self.project.plant.controlled_quantity()),
+        );
         Ok(ReferenceDesign { name: name.to_owned(), linear, figures })
     }
 }

@@ -9,6 +9,7 @@ use counterpoise_recordings::{Channel, ChannelUnits, Mapping, Unit};
 use super::controller::RecordingController;
 use super::design::ReductionMethod;
 use super::findings::{Findings, report_duplicates};
+use super::fixed_structure::TunedWeights;
 use super::model::StructureChoice;
 use super::sensor::IDEAL_SCALE;
 use super::synthesis::LoopKind;
@@ -64,6 +65,7 @@ pub(crate) fn check_project(document: &Document, project: &Project) -> Vec<Diagn
     units(&mut findings, &project.recording, project.channel_units());
     configuration(&mut findings, project);
     tolerances(&mut findings, project);
+    nothing_to_tune(&mut findings, project);
     findings.into_list()
 }
 
@@ -384,6 +386,19 @@ fn runs_at_the_period(
         );
         let remark = Remark::new(DiagnosticKind::OutOfRange, file.path, allowed);
         findings.add(Severity::Error, remark.with_value(format!("\"{}\"", file.name)));
+    }
+}
+
+/// Warns of a section that asks for a tuning where nothing can be tuned: two commands take their objective and their limits from it all the same.
+fn nothing_to_tune(findings: &mut Findings<'_>, project: &Project) {
+    let Some(options) = project.synth.as_ref().map(|synth| &synth.options) else { return };
+    let Some(tuning) = &options.tuning else { return };
+    if tuning.weights == TunedWeights::Stated
+        && options.structure.blocks.is_empty()
+        && options.imported.is_none()
+    {
+        let allowed = "tunes nothing, because there is no [[synth.block]] and no `weights = \"tune\"`: `compare` and `synth --search` alone take its objective and its limits";
+        findings.add(Severity::Warning, Remark::new(DiagnosticKind::Conflict, "synth.tune", allowed));
     }
 }
 

@@ -266,8 +266,7 @@ fn weights(v: &mut dyn Visit, synth: &mut DesignRequest) {
 fn weights_can_be_tuned(v: &mut dyn Visit, synth: &DesignRequest, tuning: &TuningOptions) {
     let specification = &synth.specification;
     let problem = match tuning.weights {
-        TunedWeights::Stated => "needs blocks, whose parameters it tunes, or weights = \"tune\"",
-        TunedWeights::Tuned => return,
+        TunedWeights::Stated | TunedWeights::Tuned => return,
         TunedWeights::ToTune if synth.options.method != counterpoise_synth::SynthesisMethod::ThreePart => {
             "can tune the weights of method = \"three-part\" alone"
         }

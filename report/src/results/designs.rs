@@ -1,8 +1,8 @@
 //! The table of designs as a result file has it.
 
-use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::exchange::{SystemResult, UnitValue};
 use counterpoise_pipeline::studies::designs::{DesignRow, DesignTable};
+use counterpoise_pipeline::tuning::MeasuredLoops;
 use serde::Serialize;
 
 use crate::wording::designs::{describe_design_failure, describe_objective, name_motion};
@@ -14,9 +14,9 @@ pub struct DesignTableText {
     pub name: String,
     /// Hash of the project.
     pub hash: String,
-    /// The quantity that the loop controls: every figure of a rate is one of it, in its unit.
+    /// The quantity that the loops control, and in which units their figures are.
     #[serde(skip)]
-    pub controlled: ControlledQuantity,
+    pub loops: MeasuredLoops,
     /// Objective of the tuned structures.
     pub objective: String,
     /// Motion that the last nonlinear run has.
@@ -39,8 +39,8 @@ impl From<DesignTable> for DesignTableText {
         Self {
             name: found.name,
             hash: found.hash,
-            controlled: found.controlled,
-            objective: describe_objective(found.objective, found.controlled, found.motion),
+            loops: found.loops,
+            objective: describe_objective(found.objective, found.loops.controlled, found.motion),
             motion: name_motion(found.motion),
             disturbance: found.disturbance,
             reading_noise: found.reading_noise,

@@ -1,10 +1,9 @@
 //! The front of a project's designs as a result file has it.
 
-use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::exchange::UnitValue;
 use counterpoise_pipeline::studies::designs::{LimitsResult, TableMotion};
 use counterpoise_pipeline::studies::front::{KindPoint, KindRole, ProjectFront};
-use counterpoise_pipeline::tuning::{BlockResult, LoopMeasuresResult, WeightsResult};
+use counterpoise_pipeline::tuning::{BlockResult, LoopMeasuresResult, MeasuredLoops, WeightsResult};
 use counterpoise_synth::{FrontMethod, FrontObjective};
 use serde::Serialize;
 
@@ -17,9 +16,9 @@ pub struct FrontText {
     pub name: String,
     /// Hash of the project.
     pub hash: String,
-    /// The quantity that the loop controls: every figure of a rate is one of it, in its unit.
+    /// The quantity that the loops control, and in which units their figures are.
     #[serde(skip)]
-    pub controlled: ControlledQuantity,
+    pub loops: MeasuredLoops,
     /// What the residual is.
     pub objective: String,
     /// The objectives that are traded, in the order of `figures`.
@@ -133,7 +132,6 @@ fn write_figures<S: serde::Serializer>(figures: &[f64], to: S) -> Result<S::Ok, 
 
 impl From<&ProjectFront> for FrontText {
     fn from(found: &ProjectFront) -> Self {
-        let controlled = found.controlled;
         let kinds = found.kinds.iter().enumerate().map(|(k, kind)| KindText {
             name: kind.name.clone(),
             role: role_name(kind.role),
@@ -163,8 +161,8 @@ impl From<&ProjectFront> for FrontText {
         Self {
             name: found.identity.name.clone(),
             hash: found.identity.hash.clone(),
-            controlled,
-            objective: describe_objective(found.objective, controlled, motion),
+            loops: found.loops,
+            objective: describe_objective(found.objective, found.loops.controlled, motion),
             objectives: found.objectives.clone(),
             limits: found.limits,
             method: match found.method {

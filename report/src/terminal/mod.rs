@@ -1,14 +1,16 @@
 //! What commands print of a result, in lines. Tables of channels, whose heads depend on the machine's signals, and paths of written files are printed
 //! by the command line itself.
 //!
-//! Modules in the order of the commands: [`model`], [`synthesis`], [`search`], [`verdicts`], [`sweep`], [`identification`], [`diagnosis`].
+//! Modules in the order of the commands: [`model`], [`synthesis`], [`tuning`], [`search`], [`comparison`], [`verdicts`], [`sweep`], [`identification`], [`diagnosis`].
 
+pub mod comparison;
 pub mod diagnosis;
 pub mod identification;
 pub mod model;
 pub mod search;
 pub mod sweep;
 pub mod synthesis;
+pub mod tuning;
 pub mod verdicts;
 
 /// Adds a line to lines, as `println!` would print it.

@@ -4,6 +4,7 @@ use counterpoise_synth::DisturbanceChannel;
 
 use super::design_findings::describe_part;
 use super::figures::drop_small_sign;
+use crate::tolerance::WORTH_A_WORD_PERCENT;
 use counterpoise_pipeline::certificates::{
     CertifiedEquation, CertifiedPart, CertifiedPlant, CertifiedQuantity,
 };
@@ -77,7 +78,19 @@ pub fn total_cost_lines(cost: Option<&TotalCostResult>) -> Vec<String> {
         "total cost of the assembled loop {}, each part's disturbances under its own weights:",
         short_number(cost.total)
     );
-    std::iter::once(total).chain(cost.parts.iter().map(part_cost_line)).collect()
+    let mut lines: Vec<String> =
+        std::iter::once(total).chain(cost.parts.iter().map(part_cost_line)).collect();
+    // only parts that were designed apart have a basis
+    let is_apart = cost.basis.is_some();
+    if is_apart
+        && cost.parts.iter().filter_map(|row| row.gained_percent).any(|gained| gained > WORTH_A_WORD_PERCENT)
+    {
+        lines.push(
+            "  a part whose best gain is not 1 is optimal by itself alone: `assembly = \"joint\"` makes the total least, and `counterpoise compare` shows what that changes in simulation"
+                .to_owned(),
+        );
+    }
+    lines
 }
 
 fn part_cost_line(row: &PartCostRow) -> String {

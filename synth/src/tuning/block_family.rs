@@ -9,9 +9,10 @@ use super::blocks::Blocks;
 use super::family::{FeedbackFamily, GridResponse};
 use super::grid::{LoopGrid, LoopPlant};
 use super::starts::placed_starts;
-use super::{TunedFeedback, sampled_structure};
+use super::{RangeEnd, TunedFeedback, sampled_structure};
 use crate::Error;
-use crate::fixed_structure::ParameterName;
+use crate::fixed_structure::{BlockKind, ParameterName};
+use crate::tolerance::{AT_RANGE_END, IDLE_LOW_PASS};
 
 impl FeedbackFamily for Blocks<'_> {
     fn ranges(&self) -> &[[f64; 2]] {
@@ -56,6 +57,30 @@ impl FeedbackFamily for Blocks<'_> {
 
     fn starts(&self, nominal: &LoopPlant, grid: &LoopGrid, count: usize, seed: u64) -> Vec<Vec<f64>> {
         placed_starts(self, nominal, grid, count, seed)
+    }
+
+    fn range_ends(&self, at: &[f64]) -> Vec<RangeEnd> {
+        let mut ends = Vec::new();
+        for ((open, range), value) in self.open.iter().zip(&self.ranges).zip(at) {
+            let kind = self.structure.blocks[open.block].kind;
+            let is_low = value - range[0] < AT_RANGE_END;
+            let is_high = range[1] - value < AT_RANGE_END;
+            // there, the block does nothing, and nothing lies beyond
+            let is_idle = match open.name {
+                ParameterName::Ratio => is_low,
+                ParameterName::Depth => is_high,
+                ParameterName::Frequency
+                    if matches!(kind, BlockKind::LowPass | BlockKind::SecondOrderLowPass) =>
+                {
+                    is_high && range[1].exp() * self.sampling.period_s > IDLE_LOW_PASS
+                }
+                _ => false,
+            };
+            if (is_low || is_high) && !is_idle {
+                ends.push(RangeEnd { block: open.block, parameter: open.name, range: range.map(f64::exp) });
+            }
+        }
+        ends
     }
 
     fn feedback(&self, at: &[f64]) -> TunedFeedback {

@@ -3,8 +3,8 @@
 use counterpoise_linalg::C64;
 
 use super::grid::{LoopGrid, LoopPlant};
-use crate::fixed_structure::{BlockParameter, FixedStructure, ParameterName};
-use crate::tolerance::{GAIN_RANGE_SHARE, LEAST_RESPONSE};
+use crate::fixed_structure::{BlockKind, BlockParameter, FixedStructure, ParameterName};
+use crate::tolerance::{FASTEST_CORNER, FASTEST_LOW_PASS, GAIN_RANGE_SHARE, LEAST_RESPONSE};
 use crate::{Error, Sampling};
 
 /// A parameter that moves.
@@ -42,7 +42,8 @@ impl<'a> Blocks<'a> {
         for (block, each) in structure.blocks.iter().enumerate() {
             for (place, (parameter, name)) in each.parameters.iter().zip(each.kind.parameters()).enumerate() {
                 if parameter.is_open() {
-                    let range = parameter.range.unwrap_or_else(|| usual_range(*name, grid, nominal));
+                    let range =
+                        parameter.range.unwrap_or_else(|| usual_range(each.kind, *name, grid, nominal));
                     ranges.push(range.map(f64::ln));
                     open.push(OpenParameter { block, place, name: *name, stated: parameter.value });
                 }
@@ -83,9 +84,10 @@ impl<'a> Blocks<'a> {
 }
 
 /// The range of a parameter that the file leaves open: as wide as makes a difference to a loop at this sample rate.
-fn usual_range(name: ParameterName, grid: &LoopGrid, plant: &LoopPlant) -> [f64; 2] {
+fn usual_range(kind: BlockKind, name: ParameterName, grid: &LoopGrid, plant: &LoopPlant) -> [f64; 2] {
     let top = grid.rates[grid.rates.len() - 1];
-    let (slowest, fastest) = (3e-5 * top, 0.8 * top);
+    // under the bilinear map a corner acts up to far beyond half the sample rate
+    let (slowest, fastest) = (3e-5 * top, FASTEST_CORNER * top);
     match name {
         ParameterName::Gain => {
             let sizes =
@@ -96,6 +98,9 @@ fn usual_range(name: ParameterName, grid: &LoopGrid, plant: &LoopPlant) -> [f64;
                 most = most.max(response.norm());
             }
             [1e-3 / most, 10.0 / least.max(LEAST_RESPONSE * most)]
+        }
+        ParameterName::Frequency if matches!(kind, BlockKind::LowPass | BlockKind::SecondOrderLowPass) => {
+            [slowest, FASTEST_LOW_PASS * top]
         }
         ParameterName::Frequency
         | ParameterName::Corner

@@ -3,8 +3,8 @@
 use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 
-use super::TunedFeedback;
 use super::grid::{LoopGrid, LoopPlant};
+use super::{RangeEnd, TunedFeedback};
 use crate::Error;
 
 /// A feedback on the grid.
@@ -57,4 +57,9 @@ pub(crate) trait FeedbackFamily {
 
     /// The feedback at a point with every parameter fixed.
     fn feedback(&self, at: &[f64]) -> TunedFeedback;
+
+    /// The parameters that a point has at an end of their range, beyond which another answer may lie.
+    fn range_ends(&self, _at: &[f64]) -> Vec<RangeEnd> {
+        Vec::new()
+    }
 }

@@ -42,7 +42,7 @@ pub use disturbance::Disturbance;
 pub(crate) use grid::{Clock, Density, LoopGrid};
 pub use limits::{LoopLimits, LoopMeasures, LoopParts, loop_parts, measure_controller, measure_loop};
 
-use crate::fixed_structure::FixedStructure;
+use crate::fixed_structure::{FixedStructure, ParameterName};
 use crate::{DesignPlant, Error, FeedbackWeights, Sampling, SamplingMethod, Specification};
 use search::Search;
 
@@ -102,6 +102,19 @@ pub struct TunedDesign {
     pub starts_rad_s: Vec<f64>,
     /// Loops that were evaluated.
     pub evaluations: usize,
+    /// Parameters of a structure that ended at an end of their range: a wider one may hold a better answer.
+    pub range_ends: Vec<RangeEnd>,
+}
+
+/// A parameter of a block at an end of the range in which it was tuned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RangeEnd {
+    /// Place of the block in the structure, from 0.
+    pub block: usize,
+    /// Parameter.
+    pub parameter: ParameterName,
+    /// The range: lowest and highest value.
+    pub range: [f64; 2],
 }
 
 impl TunedDesign {

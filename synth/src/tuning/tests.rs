@@ -276,3 +276,67 @@ fn weights_that_have_no_problem_of_their_own_are_refused() {
         assert!(matches!(tune_parameters(&task), Err(Error::System { .. })));
     }
 }
+
+/// Tunes a structure for a band on a servo.
+fn tune_on_servo(structure: &FixedStructure, plant: DesignPlant, limits: LoopLimits) -> TunedDesign {
+    let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
+    let task = TuningTask {
+        subject: TuningSubject::Structure(structure),
+        plants: &[plant],
+        held: &[],
+        sampling: &sampling,
+        disturbance: &disturbance,
+        limits,
+        starts: 6,
+        seed: 1,
+    };
+    tune_parameters(&task).unwrap()
+}
+
+#[test]
+fn an_answer_keeps_the_limits_if_any_start_does() {
+    let structure = open_structure(&PI_LAG);
+    let mut kept = 0;
+    for (k, decay_rad_s) in [0.3, 1.0, 2.0, 4.0, 8.0].into_iter().enumerate() {
+        for max_complementary in [1.02, 1.06, 1.2] {
+            let limits = LoopLimits {
+                max_sensitivity: 1.1 + 0.05 * k as f64,
+                max_complementary,
+                noise_gain: 1.5,
+                decay_rad_s,
+                ..LoopLimits::default()
+            };
+            let found = tune_on_servo(&structure, servo(2.0, 80.0), limits);
+            if found.starts_rad_s.iter().any(|residual| residual.is_finite()) {
+                kept += 1;
+                assert_eq!(found.missed, 0.0, "{limits:?}: {found:?}");
+            }
+        }
+    }
+    assert!(kept >= 6, "{kept}");
+}
+
+#[test]
+fn a_low_pass_whose_range_is_not_stated_costs_nothing() {
+    let alone = open_structure(&[BlockKind::ProportionalIntegral]);
+    for (rate, resonance) in [(2.0, 80.0), (0.4, 200.0), (10.0, 30.0)] {
+        let limits = LoopLimits { max_sensitivity: 1.4, max_complementary: 1.4, ..LoopLimits::default() };
+        let [without, with] = [&alone, &open_structure(&PI_LAG)]
+            .map(|structure| tune_on_servo(structure, servo(rate, resonance), limits));
+        assert!(with.residual_rad_s() < 1.005 * without.residual_rad_s(), "{with:?}\n{without:?}");
+    }
+}
+
+#[test]
+fn a_parameter_at_the_end_of_its_range_is_told() {
+    let mut structure = open_structure(&PI_LAG);
+    let limits = LoopLimits { max_sensitivity: 1.4, max_complementary: 1.4, ..LoopLimits::default() };
+    let open = tune_on_servo(&structure, servo(2.0, 80.0), limits);
+    assert!(open.range_ends.is_empty(), "{:?}", open.range_ends);
+    structure.blocks[0].parameters[1].range = Some([0.01, 0.02]);
+    structure.blocks[1].parameters[0].range = Some([20.0, 40.0]);
+    let found = tune_on_servo(&structure, servo(2.0, 80.0), limits);
+    let told: Vec<(usize, ParameterName)> =
+        found.range_ends.iter().map(|end| (end.block, end.parameter)).collect();
+    assert_eq!(told, [(0, ParameterName::Corner), (1, ParameterName::Frequency)], "{found:?}");
+}

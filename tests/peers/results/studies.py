@@ -273,12 +273,12 @@ def loop_of(result, row):
     band = BAND[0] * (BAND[1] / BAND[0]) ** ((np.arange(BAND_LINES) + 0.5) / BAND_LINES)
     noise = next(value for key, value in result.items() if key.startswith("reading_noise"))
     residual = math.sqrt(float(np.sum(lines[:, 1] * np.abs(S) ** 2)))
-    unit = next(key for key in row["linear"] if key.startswith("residual_"))
+    unit, effort = (next(key for key in row["linear"] if key.startswith(stem)) for stem in ("residual", "effort"))
     return {**{key: found[key] for key in ("max_sensitivity", "gain_margin_db", "phase_margin_deg", "delay_margin_s")},
             "max_complementary": found["max_complementary_sensitivity"], "crossover_rad_s": 2.0 * math.pi * found["crossover_hz"],
             "decay_rad_s": float(np.min(-np.log(poles[poles > FASTEST_POLE]) / dt)), "noise_gain": two_norm(KS),
             "control_peak": recompute.largest(rates, np.abs(reading(K, rates) / (1.0 + reading(L, rates))), peak_of),
-            "effort_v": math.sqrt(float(np.sum(lines[:, 1] * np.abs(S * reading(K, lines[:, 0])) ** 2))),
+            effort: math.sqrt(float(np.sum(lines[:, 1] * np.abs(S * reading(K, lines[:, 0])) ** 2))),
             unit: math.hypot(residual, noise * two_norm(closed)),
             "rejection": float(np.sqrt(np.mean(np.abs(1.0 / (1.0 + reading(L, band))) ** 2)))}
 
