@@ -22,6 +22,7 @@ use crate::studies::adaptation_trials::{AdaptationTrials, own_trials};
 use crate::studies::advice::{KeptDesigns, WeightAdvice, advise_changes};
 use crate::studies::assumptions::{AssumptionEffects, LoopSystems, assumption_effects, with_those_of_design};
 use crate::studies::comparison::{DesignComparison, compare_designs};
+use crate::studies::tuned_pi::{TunedPiRow, tuned_pi_row};
 use crate::{
     DecidedProject, DesignedAxis, FirstDesign, PipelineError, PipelineStage, PlantModel, ProjectIdentity,
     ReducedPlant, SynthesisedDesign, TraverseCode, TwoAxisStudy, World, build_plant_model, choose_and_tune,
@@ -239,7 +240,12 @@ impl SampledDesign {
 
     /// Verifies and certifies the controller, runs it in every kind of numbers and compares it with other designs, side by side on the
     /// processors at hand.
-    fn study(&self, project: &Project, pool: &dyn Pool) -> Result<StudiedDesign, PipelineError> {
+    fn study(
+        &self,
+        project: &Project,
+        tuned_pi: Option<&TunedPiRow>,
+        pool: &dyn Pool,
+    ) -> Result<StudiedDesign, PipelineError> {
         let verified = || {
             let verified = self.verify(project)?;
             let (targets, loop_view) =
@@ -247,7 +253,7 @@ impl SampledDesign {
             Ok::<_, PipelineError>((targets?, loop_view?, verified))
         };
         let beside = || {
-            let compare = || compare_designs(project, &self.modelled, &self.synthesised);
+            let compare = || compare_designs(project, &self.modelled, &self.synthesised, tuned_pi);
             join(pool, || self.certify(project), compare)
         };
         let (verified, (stability, comparison)) = join(pool, verified, beside);
@@ -327,7 +333,9 @@ pub fn design_project(
     let DecidedProject { project, first, .. } = choose_and_tune(project, world)?;
     let project = &project;
     let made = SampledDesign::of(project, world)?;
-    let studied = run_observed(world, PipelineStage::Verify, || made.study(project, world.pool()))?;
+    let tuned_pi = tuned_pi_row(project, &made.modelled, &made.reduced, &made.synthesised, world)?;
+    let studied =
+        run_observed(world, PipelineStage::Verify, || made.study(project, tuned_pi.as_ref(), world.pool()))?;
     let StudiedDesign { verified, stability, targets, comparison, loop_view } = studied;
     let origin = CodeOrigin { project, words, world };
     let stages = made.export(&origin, verified, stability)?;
@@ -367,11 +375,12 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
     let modelled = build_plant_model(project)?;
     let reduced = reduce_plant(project, &modelled)?;
     let synthesised = synthesise(project, &modelled, &reduced)?;
+    let tuned_pi = tuned_pi_row(project, &modelled, &reduced, &synthesised, world)?;
     Ok(SynthesisStudy {
         identity: ProjectIdentity::of(project, world),
         asked: design_request(project)?,
         certificates: certify_designs(&synthesised, None),
-        comparison: compare_designs(project, &modelled, &synthesised)?,
+        comparison: compare_designs(project, &modelled, &synthesised, tuned_pi.as_ref())?,
         views: design_views(&modelled, &reduced, &synthesised)?,
         modelled,
         reduced,

@@ -10,9 +10,11 @@ use counterpoise_pipeline::synth::schedule::BalanceRow;
 
 use crate::bode::{BodeCurve, PhasePanel, bode_figure};
 use crate::designs::noise_gain_column;
+use crate::wording::capitalise_first;
 use crate::wording::design_findings::describe_design_findings;
 use crate::wording::figures::{describe_modulus, drop_small_sign};
 use crate::wording::schedule::{describe_conditions, describe_law};
+use crate::wording::tuned_pi::describe_tuned_pi;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Dash, Figure};
@@ -28,6 +30,12 @@ pub fn alternatives_sections(
         all.push(methods(&found.methods, controlled));
     }
     all.extend(found.lowered.as_ref().map(|row| lowered_section(row, controlled)));
+    if let Some(text) = found.tuned_pi.as_ref().and_then(describe_tuned_pi) {
+        all.push(
+            ReportSection::new("A tuned PI beside the design")
+                .with_text(format!("{}.", capitalise_first(&text))),
+        );
+    }
     if !found.motions.is_empty() {
         all.push(motions(&found.motions, controlled));
     }

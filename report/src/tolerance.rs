@@ -39,3 +39,6 @@ pub(crate) const SHOWN_DISTANCE: f64 = 1e-4;
 
 /// A gain of a part that lowers the total cost of an assembled loop by less than this is not worth a word, %.
 pub(crate) const WORTH_A_WORD_PERCENT: f64 = 1.0;
+
+/// A tuned PI that leaves less than a design by less than this share is not worth a word: it is within what friction changes.
+pub(crate) const PI_WORTH_A_WORD: f64 = 0.02;

@@ -29,7 +29,7 @@ fn compare(project: &Project) -> DesignComparison {
     let modelled = build_plant_model(project).unwrap();
     let reduced = reduce_plant(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();
-    compare_designs(project, &modelled, &made).unwrap()
+    compare_designs(project, &modelled, &made, None).unwrap()
 }
 
 fn runs(example: &str) -> Vec<AdaptRun> {

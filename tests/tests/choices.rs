@@ -2,12 +2,16 @@
 //! tables, laws of the friction observer, reduced plants.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::path::Path;
+
 use counterpoise_pipeline::studies::comparison::{DesignComparison, compare_designs};
 use counterpoise_pipeline::{
-    PlantModel, SynthesisedDesign, World, build_plant_model, reduce_plant, synthesise, verify,
+    PlantModel, SynthesisedDesign, World, build_plant_model, reduce_plant, study_synthesis, synthesise,
+    verify,
 };
-use counterpoise_project::Project;
+use counterpoise_project::{Project, Purpose, TunedWeights};
 use counterpoise_report::wording::errors::describe_pipeline_error;
+use counterpoise_tests::examples;
 use counterpoise_verify::{PerformanceFigure, Verification};
 
 struct EmptyWorld;
@@ -61,7 +65,7 @@ fn compare(project: &Project) -> DesignComparison {
     let modelled = build_plant_model(project).unwrap();
     let reduced = reduce_plant(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();
-    compare_designs(project, &modelled, &made).unwrap()
+    compare_designs(project, &modelled, &made, None).unwrap()
 }
 
 const CHAPTER_6: &str = "appendix-5/chapter-6.toml";
@@ -242,5 +246,27 @@ fn designs_on_modal_and_balanced_plants_hold_on_the_full_beam() {
         assert_eq!(lowered.order[1], 8);
         assert!(lowered.loop_change < 0.05, "{lowered:?}");
         assert!(spill.modes > 40 && spill.largest_pole < 1.0, "{method}: {spill:?}");
+    }
+}
+
+#[test]
+fn a_pi_tuned_under_the_limits_of_weights_that_a_file_states_is_put_beside_them() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig/project.toml");
+    let project = examples::resolve_example(&path, Purpose::Synth).unwrap();
+    let world = examples::world(&path);
+    let row =
+        study_synthesis(&project, &world).unwrap().comparison.tuned_pi.expect("the file states weights");
+    assert_eq!(row.missed, 0.0);
+    assert!((0.05..0.10).contains(&row.gained()), "{}", row.gained());
+    // weights that were tuned themselves, or chosen for the bandwidth, have nothing to learn from it
+    for other in ["reference-rig/tuned-weights.toml", "direct-gimbal/project.toml"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(other);
+        let project = examples::resolve_example(&path, Purpose::Synth).unwrap();
+        let mut quick = project.clone();
+        if let Some(tuning) = quick.synth.as_mut().and_then(|synth| synth.options.tuning.as_mut()) {
+            tuning.weights = TunedWeights::Tuned;
+        }
+        let study = study_synthesis(&quick, &examples::world(&path)).unwrap();
+        assert!(study.comparison.tuned_pi.is_none(), "{other}");
     }
 }

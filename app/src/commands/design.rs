@@ -23,6 +23,7 @@ use counterpoise_report::results::{DesignText, FirstDesignText};
 use counterpoise_report::terminal::verdicts::{describe_compiled_code, verdict_lines};
 use counterpoise_report::wording::certificates::total_cost_lines;
 use counterpoise_report::wording::code_header::HeaderText;
+use counterpoise_report::wording::tuned_pi::describe_tuned_pi;
 use counterpoise_report::{ReportOrigin, advice, html_page, of_design, two_axes};
 use serde::Serialize;
 
@@ -138,6 +139,8 @@ fn print(options: &DesignOptions, designed: &CompletedDesign) {
     output::print_lines(&verdict_lines(made.verified.verification()));
     advice::advice_lines(&designed.advice).iter().for_each(|line| say!("advice: {line}"));
     output::print_lines(&total_cost_lines(designed.comparison.total_cost.as_ref()));
+    let tuned_pi = designed.comparison.tuned_pi.as_ref().and_then(describe_tuned_pi);
+    tuned_pi.iter().for_each(|text| say!("advice: {text}"));
     certificate::certificate_lines(&made.stability).iter().for_each(|line| say!("stability: {line}"));
     say!();
     say!("report  {}", options.output.join("report.html").display());

@@ -15,6 +15,7 @@ use counterpoise_synth::{
 use serde::Serialize;
 
 use super::cost_basis::{CostBasis, cost_basis, feedback_basis};
+use super::tuned_pi::TunedPiRow;
 use crate::exchange::systems::controllers_of_design;
 use crate::exchange::{SystemResult, TransferFunctionResult};
 use crate::synth::design_plant;
@@ -42,6 +43,8 @@ pub struct DesignComparison {
     pub spillover: Option<Spillover>,
     /// Cost of the assembled loop, all parts acting together; absent if another method made the feedback.
     pub total_cost: Option<TotalCostResult>,
+    /// A PI with a lag, tuned under the design's own limits; absent if the weights were chosen or tuned.
+    pub tuned_pi: Option<TunedPiRow>,
 }
 
 /// A state of balance: its own design, and the nominal one on its plant.
@@ -247,6 +250,7 @@ pub fn compare_designs(
     project: &Project,
     modelled: &PlantModel,
     made: &SynthesisedDesign,
+    tuned_pi: Option<&TunedPiRow>,
 ) -> Result<DesignComparison, PipelineError> {
     let missing = PipelineError::Missing { section: "synth", needed_by: "the design" };
     let asked = project.synth.as_ref().ok_or(missing)?;
@@ -258,6 +262,7 @@ pub fn compare_designs(
         balance_basis: balance_basis(&made.balance, made.controlled)?,
         spillover: spillover(project, asked, modelled, made)?,
         total_cost: cost_of(made)?,
+        tuned_pi: tuned_pi.cloned(),
     })
 }
 

@@ -3,6 +3,7 @@
 use counterpoise_pipeline::studies::comparison::{
     BalanceBasis, DesignComparison, LoweredRow, MethodRow, MotionRow, Spillover, TotalCostResult,
 };
+use counterpoise_pipeline::studies::tuned_pi::TunedPiRow;
 use counterpoise_pipeline::synth::schedule::BalanceRow;
 use serde::Serialize;
 
@@ -27,6 +28,8 @@ pub struct ComparisonText {
     pub spillover: Option<Spillover>,
     /// Cost of the assembled loop, all parts acting together; absent if another method made the feedback.
     pub total_cost: Option<TotalCostResult<String>>,
+    /// A PI with a lag, tuned under the design's own limits; absent if the weights were chosen or tuned.
+    pub tuned_pi: Option<TunedPiRow>,
 }
 
 impl From<&DesignComparison> for ComparisonText {
@@ -42,6 +45,7 @@ impl From<&DesignComparison> for ComparisonText {
             balance: found.balance.iter().map(balance).collect(),
             balance_basis: found.balance_basis.clone(),
             spillover: found.spillover.clone(),
+            tuned_pi: found.tuned_pi.clone(),
             total_cost: found.total_cost.as_ref().map(|cost| cost.name_parts(describe_cost_source)),
         }
     }

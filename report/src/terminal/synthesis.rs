@@ -10,6 +10,7 @@ use crate::wording::certificates::total_cost_lines;
 use crate::wording::design_findings::describe_design_findings;
 use crate::wording::figures::{describe_modulus, drop_small_sign};
 use crate::wording::schedule::{describe_conditions, describe_law};
+use crate::wording::tuned_pi::describe_tuned_pi;
 use crate::wording::weights::describe_weights;
 
 /// Returns the lines on a design: its weights, its orders and costs, and the comparison with its alternatives.
@@ -131,6 +132,10 @@ fn add_total_cost(lines: &mut Vec<String>, beside: &DesignComparison) {
     if !cost.is_empty() {
         lines.push(String::new());
         lines.extend(cost);
+    }
+    if let Some(text) = beside.tuned_pi.as_ref().and_then(describe_tuned_pi) {
+        add_line!(lines);
+        add_line!(lines, "advice: {text}");
     }
 }
 

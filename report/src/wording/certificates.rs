@@ -86,7 +86,7 @@ pub fn total_cost_lines(cost: Option<&TotalCostResult>) -> Vec<String> {
         && cost.parts.iter().filter_map(|row| row.gained_percent).any(|gained| gained > WORTH_A_WORD_PERCENT)
     {
         lines.push(
-            "  a part whose best gain is not 1 is optimal by itself alone: `assembly = \"joint\"` makes the total least, and `counterpoise compare` shows what that changes in simulation"
+            "  a part whose best gain is not 1 is optimal by itself alone: `assembly = \"grimble\"` or `\"joint\"` takes the other parts into account, and `counterpoise compare` shows what the joint optimum changes in simulation"
                 .to_owned(),
         );
     }

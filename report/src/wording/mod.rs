@@ -5,7 +5,7 @@
 //!
 //! Of a design and its verification: [`weights`], what each weight asks for; [`design_findings`], obstacles; [`errors`], why there is no result;
 //! [`demanded_rate`]; [`schedule`], states of balance; [`certificates`], what is certified; [`reduction`]; [`figures`], the names of figures;
-//! [`acceptance`], how each is judged and how it would be tested; [`designs`], the table of designs; [`check`]; [`adaptation`]; [`code_header`] with `feedback_alone`,
+//! [`acceptance`], how each is judged and how it would be tested; [`designs`], the table of designs; [`tuned_pi`], what a tuned PI would leave; [`check`]; [`adaptation`]; [`code_header`] with `feedback_alone`,
 //! the header of generated code.
 //!
 //! Of recordings: [`answer`], a diagnosis; `effects`, the effects of the library; [`file_remarks`], what is to be known of the file of a recording;
@@ -36,6 +36,7 @@ pub mod recordings;
 pub mod reduction;
 pub mod schedule;
 pub mod structure;
+pub mod tuned_pi;
 pub mod weights;
 
 pub use effects::{EffectText, describe_effect, experiment_for};

@@ -61,6 +61,8 @@ CLASSES = [
     (r".*beside\.(total_cost\.basis|balance_basis\.\d+\.(nominal|redesign)|methods\.\d+\.problem\.basis)\..*", DATA),
     (r".*beside\.methods\.\d+\.problem\.(error|control)_weight\..*", DATA),
     (r".*beside\.(total_cost\..*|motions\..*|methods\.\d+\.(figures\..*|norm|integral|order))", RECOMPUTED),
+    (r".*beside\.tuned_pi\.(disturbance\.\d+\.\d+|reading_noise_\w+|blocks\.\d+\.values\.\d+\.1)", DATA),
+    (r".*beside\.tuned_pi\.(own\.\w+|tuned\.\w+|limits\.\w+|missed)", RECOMPUTED),
     (r".*beside\.spillover\.(modes|order)", DATA),
     (r".*beside\.spillover\.(largest_pole|poles\..*)", RECOMPUTED),
     (r".*beside\.lowered\.((before|after)\..*|loop_change|order\.\d+)", RECOMPUTED),

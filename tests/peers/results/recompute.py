@@ -24,7 +24,8 @@ import sight
 import stages
 import targets
 import trials
-from responses import at, bisect, crossings, decibels, golden, largest, named, same_response, swept, system
+import tuned
+from responses import at, bisect, crossings, decibels, figures_of_loop, golden, largest, named, same_response, swept, system
 
 # Margins are found here by another method than in the program (a dense grid, then bisection).
 LOOP_TOLERANCE = 1e-7
@@ -39,34 +40,6 @@ def loop_figures(verify):
     loop = named(verify["systems"], "loop")
     found = figures_of_loop(system(loop), loop["sample_time_s"])
     return {**found, "closed_loop_pole_radius": pole_radius(verify)}
-
-
-def figures_of_loop(broken, dt):
-    nyquist = math.pi / dt
-    rates = np.geomspace(1e-3, nyquist * (1 - 1e-9), 40000)
-    one = lambda rate: swept(broken, np.array([rate]), dt)[0, 0, 0]
-    values = swept(broken, rates, dt)[:, 0, 0]
-    modulus = crossings(rates, np.abs(values) - 1.0, lambda r: abs(one(r)) - 1.0)
-    # only crossings of the negative real axis count
-    real = [r for r in crossings(rates, values.imag, lambda r: one(r).imag) if one(r).real < 0.0]
-    # with the plant's own input broken, 1 + L = 0 at the stability limit
-    gains = [-20.0 * math.log10(abs(one(r))) for r in real]
-    gains += [-20.0 * math.log10(abs(v)) for v in [at(broken, np.array([nyquist]), dt)[0, 0, 0].real] if v < 0.0]
-    phases = [(math.degrees(np.angle(-one(r))), r) for r in modulus]
-    delays = [(math.radians(deg) % (2.0 * math.pi)) / rate for deg, rate in phases]
-    sensitivity = lambda r: abs(1.0 / (1.0 + one(r)))
-    complementary = lambda r: abs(one(r) / (1.0 + one(r)))
-    skew = lambda r: abs(0.5 * (1.0 - one(r)) / (1.0 + one(r)))
-    return {
-        "gain_margin_db": min([g for g in gains if g > 0.0], default=math.inf),
-        "gain_reduction_margin_db": min([-g for g in gains if g < 0.0], default=math.inf),
-        "phase_margin_deg": min([abs(deg) for deg, _ in phases], default=math.inf),
-        "delay_margin_s": min(delays, default=math.inf),
-        "disk_margin": 1.0 / largest(rates, np.abs(0.5 * (1 - values) / (1 + values)), skew),
-        "max_sensitivity": largest(rates, np.abs(1 / (1 + values)), sensitivity),
-        "max_complementary_sensitivity": largest(rates, np.abs(values / (1 + values)), complementary),
-        "crossover_hz": max(modulus, default=0.0) / (2.0 * math.pi),
-    }
 
 
 def pole_radius(verify):
@@ -479,6 +452,7 @@ def rows_of(result):
         yield from stages.reduce(result["reduce"])
         yield from stages.synth(dict(result["synth"], beside=result["beside"]))
         yield from check_responses(result["synth"])
+        yield from tuned.beside_rows(result["beside"].get("tuned_pi"))
         yield from stages.first_design(result.get("first_design"))
         yield from targets.rows(result)
         yield from verify_rows(result["verify"])
@@ -490,6 +464,7 @@ def rows_of(result):
     elif "path_orders" in result:
         yield from stages.synth(result)
         yield from stages.first_design(result.get("first_design"))
+        yield from tuned.beside_rows(result["beside"].get("tuned_pi"))
         yield from check_responses(result)
     else:
         yield from verify_rows(result)

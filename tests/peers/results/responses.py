@@ -103,3 +103,31 @@ def largest(rates, values, function):
 
 def decibels(ratio):
     return 20.0 * math.log10(ratio) if ratio > 0.0 else -math.inf
+
+
+def figures_of_loop(broken, dt):
+    nyquist = math.pi / dt
+    rates = np.geomspace(1e-3, nyquist * (1 - 1e-9), 40000)
+    one = lambda rate: swept(broken, np.array([rate]), dt)[0, 0, 0]
+    values = swept(broken, rates, dt)[:, 0, 0]
+    modulus = crossings(rates, np.abs(values) - 1.0, lambda r: abs(one(r)) - 1.0)
+    # only crossings of the negative real axis count
+    real = [r for r in crossings(rates, values.imag, lambda r: one(r).imag) if one(r).real < 0.0]
+    # with the plant's own input broken, 1 + L = 0 at the stability limit
+    gains = [-20.0 * math.log10(abs(one(r))) for r in real]
+    gains += [-20.0 * math.log10(abs(v)) for v in [at(broken, np.array([nyquist]), dt)[0, 0, 0].real] if v < 0.0]
+    phases = [(math.degrees(np.angle(-one(r))), r) for r in modulus]
+    delays = [(math.radians(deg) % (2.0 * math.pi)) / rate for deg, rate in phases]
+    sensitivity = lambda r: abs(1.0 / (1.0 + one(r)))
+    complementary = lambda r: abs(one(r) / (1.0 + one(r)))
+    skew = lambda r: abs(0.5 * (1.0 - one(r)) / (1.0 + one(r)))
+    return {
+        "gain_margin_db": min([g for g in gains if g > 0.0], default=math.inf),
+        "gain_reduction_margin_db": min([-g for g in gains if g < 0.0], default=math.inf),
+        "phase_margin_deg": min([abs(deg) for deg, _ in phases], default=math.inf),
+        "delay_margin_s": min(delays, default=math.inf),
+        "disk_margin": 1.0 / largest(rates, np.abs(0.5 * (1 - values) / (1 + values)), skew),
+        "max_sensitivity": largest(rates, np.abs(1 / (1 + values)), sensitivity),
+        "max_complementary_sensitivity": largest(rates, np.abs(values / (1 + values)), complementary),
+        "crossover_hz": max(modulus, default=0.0) / (2.0 * math.pi),
+    }

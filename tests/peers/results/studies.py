@@ -14,12 +14,12 @@ import math
 import pathlib
 import sys
 
-import control
 import numpy as np
-import scipy.linalg
 
 import recompute
 import trials
+import tuned
+from responses import named
 
 EXACT, FORMULA = 0.0, 1e-12
 # RMS errors of series whose numbers have all their digits.
@@ -28,10 +28,8 @@ SERIES = 1e-9
 ANOTHER_RUN = 0.01
 # 97.5 % point of the normal distribution.
 NORMAL = 1.959963984540054
-# Share of a limit up to which a tuned structure keeps it.
-KEPT = 1e-3
 # Linear figures that are found in another way.
-LOOP = 1e-5
+LOOP = tuned.LOOP
 RUN = "a run of the simulator, which the result does not contain"
 
 
@@ -221,17 +219,15 @@ def claims(result, _):
 
 
 def compare(result, files):
-    most = {"max_sensitivity", "max_complementary", "noise_gain", "control_peak"}
     for row in result["rows"]:
         if not row["linear"]:
             continue
         # a bound keeps its limits on its own grid only, and misses none by definition
         if row["limits"] and not row["bound"]:
-            beyond = lambda key, limit: row["linear"][key] / limit - 1.0 if key in most else 1.0 - row["linear"][key] / limit
-            # a margin without a number is infinite, or not known of a bound
-            over = max(beyond(key, limit) for key, limit in row["limits"].items() if limit is not None and row["linear"][key] is not None)
-            yield f"limit that is missed, {row['name']}", row["missed"], over if over > KEPT else 0.0, 1e-6
-        mine = loop_of(result, row) if row.get("systems") else {}
+            yield f"limit that is missed, {row['name']}", row["missed"], tuned.missed(row["limits"], row["linear"]), 1e-6
+        mine = {}
+        if row.get("systems"):
+            mine = tuned.loop_figures(result, named(result["systems"], "plant"), named(row["systems"], "feedback"), row["linear"])
         for key, value in row["linear"].items():
             if key in mine and value is not None:
                 yield f"{key}, {row['name']}", value, mine[key], LOOP
@@ -242,45 +238,6 @@ def compare(result, files):
         for key, value in (row["nonlinear"] or {}).items():
             if value is not None:
                 yield f"{key}, {row['name']}", value, RUN
-
-
-# The band of the RMS of |S|, rad/s, and its lines, even over the logarithm of frequency.
-BAND, BAND_LINES = (1.26, 12.6), 96
-# Poles of a smaller modulus have faded within a sample or two.
-FASTEST_POLE = 1e-6
-
-
-def two_norm(closed):
-    """RMS of the output for white noise of unit RMS."""
-    X = scipy.linalg.solve_discrete_lyapunov(closed.A, closed.B @ closed.B.T)
-    return math.sqrt(float(np.trace(closed.C @ X @ closed.C.T + closed.D @ closed.D.T)))
-
-
-def loop_of(result, row):
-    """Linear figures of a row's feedback on the table's plant."""
-    told = recompute.named(result["systems"], "plant")
-    dt = told["sample_time_s"]
-    P, K = recompute.system(told), recompute.system(recompute.named(row["systems"], "feedback"))
-    L = control.series(P, K)
-    found = recompute.figures_of_loop(L, dt)
-    closed, KS = control.feedback(L, 1), control.feedback(K, P)
-    poles = np.abs(np.linalg.eigvals(closed.A))
-    reading = lambda system, rates: recompute.swept(system, np.asarray(rates), dt)[:, 0, 0]
-    rates = np.geomspace(1e-3, math.pi / dt * (1 - 1e-9), 40000)
-    peak_of = lambda r: abs(reading(K, [r])[0] / (1.0 + reading(L, [r])[0]))
-    lines = np.array(result["disturbance"])
-    S = 1.0 / (1.0 + reading(L, lines[:, 0]))
-    band = BAND[0] * (BAND[1] / BAND[0]) ** ((np.arange(BAND_LINES) + 0.5) / BAND_LINES)
-    noise = next(value for key, value in result.items() if key.startswith("reading_noise"))
-    residual = math.sqrt(float(np.sum(lines[:, 1] * np.abs(S) ** 2)))
-    unit, effort = (next(key for key in row["linear"] if key.startswith(stem)) for stem in ("residual", "effort"))
-    return {**{key: found[key] for key in ("max_sensitivity", "gain_margin_db", "phase_margin_deg", "delay_margin_s")},
-            "max_complementary": found["max_complementary_sensitivity"], "crossover_rad_s": 2.0 * math.pi * found["crossover_hz"],
-            "decay_rad_s": float(np.min(-np.log(poles[poles > FASTEST_POLE]) / dt)), "noise_gain": two_norm(KS),
-            "control_peak": recompute.largest(rates, np.abs(reading(K, rates) / (1.0 + reading(L, rates))), peak_of),
-            effort: math.sqrt(float(np.sum(lines[:, 1] * np.abs(S * reading(K, lines[:, 0])) ** 2))),
-            unit: math.hypot(residual, noise * two_norm(closed)),
-            "rejection": float(np.sqrt(np.mean(np.abs(1.0 / (1.0 + reading(L, band))) ** 2)))}
 
 
 STUDIES = [("maps", fra), ("recordings", replay), ("verdict", diagnose), ("balances", identify), ("runs", adapt), ("claims", claims), ("rows", compare), ("figures", sweep)]
