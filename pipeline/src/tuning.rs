@@ -521,7 +521,7 @@ pub struct MeasuredLoops {
 }
 
 impl MeasuredLoops {
-    fn disturbed(self, effort: f64, residual: f64) -> DisturbedFigures {
+    fn disturbed_figures(self, effort: f64, residual: f64) -> DisturbedFigures {
         let Self { objective, controlled } = self;
         DisturbedFigures { objective, controlled, effort, residual }
     }
@@ -539,7 +539,7 @@ impl LoopMeasuresResult {
             crossover_rad_s: f64::NAN,
             noise_gain: found.noise_gain,
             control_peak: found.control_peak,
-            disturbed: loops.disturbed(found.effort_v, found.residual_rad_s),
+            disturbed: loops.disturbed_figures(found.effort_v, found.residual_rad_s),
             decay_rad_s: f64::NAN,
         }
     }
@@ -555,7 +555,7 @@ impl LoopMeasuresResult {
             crossover_rad_s: m.crossover_rad_s,
             noise_gain: m.noise_gain,
             control_peak: m.control_peak,
-            disturbed: loops.disturbed(m.effort_v, m.residual_rad_s),
+            disturbed: loops.disturbed_figures(m.effort_v, m.residual_rad_s),
             decay_rad_s: m.decay_rad_s,
         }
     }

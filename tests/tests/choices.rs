@@ -257,9 +257,9 @@ fn a_pi_tuned_under_the_limits_of_weights_that_a_file_states_is_put_beside_them(
     let row =
         study_synthesis(&project, &world).unwrap().comparison.tuned_pi.expect("the file states weights");
     assert_eq!(row.missed, 0.0);
-    assert!((0.05..0.10).contains(&row.gained()), "{}", row.gained());
+    assert!((0.05..0.10).contains(&row.improvement()), "{}", row.improvement());
     // weights that were tuned themselves, or chosen for the bandwidth, have nothing to learn from it
-    for other in ["reference-rig/tuned-weights.toml", "direct-gimbal/project.toml"] {
+    for other in ["reference-rig/tuned-weights.toml", "servo-pendulum/project.toml"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(other);
         let project = examples::resolve_example(&path, Purpose::Synth).unwrap();
         let mut quick = project.clone();

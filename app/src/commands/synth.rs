@@ -99,9 +99,7 @@ pub fn run(options: &SynthOptions) -> CommandResult {
     let whole = SynthOutput { synth: &result, beside, first_design, tuning };
     if !output::write_result(&options.outputs.results, &whole)? {
         super::first_design::print_first_design(&loaded);
-        if let Some(tuned) = &loaded.tuned {
-            output::print_lines(&tuning_lines(tuned, controlled));
-        }
+        whole.tuning.iter().for_each(|tuned| output::print_lines(&tuning_lines(tuned, controlled)));
         output::print_lines(&synthesis_lines(&study, &result));
         options.save.iter().for_each(|path| print_saved(&loaded, path));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));

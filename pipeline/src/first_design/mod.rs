@@ -107,7 +107,7 @@ fn choose_weights_on(
     stated.specification.position_gain = chosen.position_gain;
     stated.specification.heave = asked.specification.heave.or_else(|| chosen.heave.clone());
     stated.specification.pitch = asked.specification.pitch.or_else(|| chosen.pitch.clone());
-    (stated.weights, stated.bandwidth_rad_s) = (WeightSource::Stated, None);
+    (stated.weights, stated.bandwidth_rad_s) = (WeightSource::Found, None);
     let mut project = Project { synth: Some(stated), ..project.clone() };
     if let (Some(verify), Some(step)) = (&mut project.verify, step) {
         (verify.procedure.step.rate_rad_s, verify.step_size) = (step, StepSize::Stated);

@@ -37,7 +37,7 @@ pub struct TunedPiRow {
 
 impl TunedPiRow {
     /// Returns by how much less the PI leaves than the design, as a share of what the design leaves; negative if it leaves more.
-    pub fn gained(&self) -> f64 {
+    pub fn improvement(&self) -> f64 {
         1.0 - self.tuned.disturbed.residual / self.own.disturbed.residual
     }
 }

@@ -241,11 +241,14 @@ fn assembly_and_form(v: &mut dyn Visit, synth: &mut DesignRequest) {
 /// Reads or lists the weights of feedback and feedforward.
 fn weights(v: &mut dyn Visit, synth: &mut DesignRequest) {
     let specification = &mut synth.specification;
-    let mut stated = (synth.weights == WeightSource::Stated).then(|| specification.feedback.clone());
+    let mut stated = (synth.weights != WeightSource::Chosen).then(|| specification.feedback.clone());
     let section = "weights of the feedback; without them, weights are chosen for the highest bandwidth";
     visit_optional(v, &TableField::optional("feedback", section), &mut stated, blank_feedback(), feedback);
     if let Some(stated) = stated {
-        (specification.feedback, synth.weights) = (stated, WeightSource::Stated);
+        specification.feedback = stated;
+        if synth.weights == WeightSource::Chosen {
+            synth.weights = WeightSource::Stated;
+        }
         cascade::with_stated_weights(v, synth.loop_kind, specification.position_gain);
         if synth.bandwidth_rad_s.is_some() {
             let allowed = "must not be given together with [synth.feedback]: a bandwidth is for weights that are chosen";

@@ -60,6 +60,8 @@ pub enum WeightSource {
     Chosen,
     /// The file states them.
     Stated,
+    /// They were chosen, and stand in the project as if its file stated them.
+    Found,
 }
 
 impl DesignRequest {

@@ -1,9 +1,7 @@
 //! What commands print of a feedback that was tuned.
 
 use counterpoise_models::ControlledQuantity;
-use counterpoise_pipeline::tuning::{
-    DisturbedFigures, LoopMeasuresResult, RangeEndResult, TunedProject, TuningResult,
-};
+use counterpoise_pipeline::tuning::{DisturbedFigures, LoopMeasuresResult, RangeEndResult, TuningResult};
 use counterpoise_plot::number::short_number;
 use counterpoise_project::TuningObjective;
 
@@ -11,8 +9,7 @@ use super::add_line;
 use crate::designs::{block_words, shown_residual, weight_words};
 
 /// Returns the lines on the tuned blocks or weights, with their figures.
-pub fn tuning_lines(found: &TunedProject, controlled: ControlledQuantity) -> Vec<String> {
-    let result = TuningResult::of(found, controlled);
+pub fn tuning_lines(result: &TuningResult, controlled: ControlledQuantity) -> Vec<String> {
     let mut lines = Vec::new();
     match &result.weights {
         Some(weights) => {

@@ -9,7 +9,7 @@ use crate::tolerance::PI_WORTH_A_WORD;
 
 /// Returns what a PI that was tuned under a design's own limits leaves in the linear loop; `None` if it leaves hardly less than the design.
 pub fn describe_tuned_pi(row: &TunedPiRow) -> Option<String> {
-    if row.missed > 0.0 || row.gained() < PI_WORTH_A_WORD {
+    if row.missed > 0.0 || row.improvement() < PI_WORTH_A_WORD {
         return None;
     }
     let (own, tuned) = (&row.own.disturbed, &row.tuned.disturbed);
@@ -25,7 +25,7 @@ pub fn describe_tuned_pi(row: &TunedPiRow) -> Option<String> {
          the weights of this design for it, and `counterpoise compare` simulates all of them",
         limits_words(&row.limits),
         short_number(shown_residual(tuned)),
-        short_number(100.0 * row.gained()),
+        short_number(100.0 * row.improvement()),
         short_number(shown_residual(own)),
         row.blocks.iter().map(block_words).collect::<Vec<_>>().join(" ")
     ))

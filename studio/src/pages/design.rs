@@ -129,7 +129,7 @@ fn show_side(
         ui.set_width(ui.available_width());
         let weights = plotted_weights(project, view.part, &theme);
         if weights.is_empty() {
-            let is_chosen = project.synth.as_ref().is_some_and(|synth| synth.weights != WeightSource::Stated);
+            let is_chosen = project.synth.as_ref().is_some_and(|synth| synth.weights == WeightSource::Chosen);
             let text = match view.part {
                 ControllerPart::Feedback if is_chosen => {
                     "The weights are chosen for the highest bandwidth; `counterpoise synth --save` writes them into the file."

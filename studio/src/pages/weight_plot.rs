@@ -55,7 +55,7 @@ pub fn plotted_weights<'a>(
     };
     match part {
         // Weights that are chosen, or replaced by blocks, are not in the file: there is nothing to drag.
-        ControllerPart::Feedback if synth.weights != WeightSource::Stated => Vec::new(),
+        ControllerPart::Feedback if synth.weights == WeightSource::Chosen => Vec::new(),
         ControllerPart::Feedback => {
             vec![
                 plotted("feedback", "error", &s.feedback.error, 0),
