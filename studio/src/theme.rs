@@ -149,7 +149,7 @@ impl WindowTheme {
 fn sizes() -> std::collections::BTreeMap<TextStyle, FontId> {
     let font = |size| FontId::new(size, FontFamily::Proportional);
     [
-        (TextStyle::Small, font(11.0)),
+        (TextStyle::Small, font(12.0)),
         (TextStyle::Body, font(13.0)),
         (TextStyle::Button, font(13.0)),
         (TextStyle::Heading, font(16.0)),

@@ -107,6 +107,14 @@ impl DisplayUnits {
         }
     }
 
+    /// Returns the unit of a frequency axis.
+    pub fn frequency_unit(&self) -> &'static str {
+        match self.frequency {
+            FrequencyUnit::Hertz => "Hz",
+            FrequencyUnit::RadPerSecond => "rad/s",
+        }
+    }
+
     /// Returns a modulus as it stands on a gain axis.
     pub fn display_gain(&self, modulus: f64) -> f64 {
         match self.gain {

@@ -31,7 +31,13 @@ fn gain(k: u32) -> Command {
 fn print_times(what: &str, mut ms: Vec<f64>) {
     ms.sort_by(f64::total_cmp);
     let at = |share: f64| ms[((ms.len() - 1) as f64 * share) as usize];
-    eprintln!("{what}: median {:.2} ms, 95 % {:.2} ms, largest {:.2} ms", at(0.5), at(0.95), at(1.0));
+    eprintln!(
+        "{what}: median {:.2} ms, 95 % {:.2} ms, 99 % {:.2} ms, largest {:.2} ms",
+        at(0.5),
+        at(0.95),
+        at(0.99),
+        at(1.0)
+    );
 }
 
 #[test]

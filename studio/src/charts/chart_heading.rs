@@ -3,6 +3,7 @@
 use egui::{Color32, Ui, Vec2};
 
 use super::chart::{Chart, ChartCurve, LineDash};
+use super::hidden_curves::HiddenCurves;
 use super::plot_limits::PlotLimits;
 use crate::help::glossary::describe_terms;
 use crate::number_format::format_short;
@@ -12,7 +13,9 @@ use crate::theme::WindowTheme;
 const ROW_HEIGHT: f32 = 20.0;
 /// Size of titles and of legends, points.
 const TITLE_SIZE: f32 = 13.0;
-const LEGEND_SIZE: f32 = 11.0;
+const LEGEND_SIZE: f32 = 12.0;
+/// Share of the colour of a hidden curve's sign.
+const HIDDEN_SHARE: f32 = 0.35;
 /// Width of the sign of a curve.
 const SWATCH_WIDTH: f32 = 16.0;
 /// Gap between the parts of a legend.
@@ -73,7 +76,7 @@ pub fn show_heading(
             let left = ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| match title {
                 Some(title) => {
                     ui.add_space((ui.available_width() - legend_width(ui, &entries)).max(0.0));
-                    show_entries(ui, &entries, style.theme);
+                    show_entries(ui, chart, &entries, style.theme);
                     title
                 }
                 None => show_title(ui, chart, style),
@@ -83,7 +86,7 @@ pub fn show_heading(
         rest.inner
     });
     if !fits {
-        ui.horizontal(|ui| show_entries(ui, &entries, style.theme));
+        ui.horizontal(|ui| show_entries(ui, chart, &entries, style.theme));
     }
     response.inner
 }
@@ -155,7 +158,9 @@ fn legend_width(ui: &Ui, entries: &[LegendEntry]) -> f32 {
 }
 
 /// Shows a legend; the curves that do not fit are counted.
-fn show_entries(ui: &mut Ui, entries: &[LegendEntry], theme: &WindowTheme) {
+fn show_entries(ui: &mut Ui, chart: &Chart, entries: &[LegendEntry], theme: &WindowTheme) {
+    let mut hidden = HiddenCurves::load(ui.ctx(), chart);
+    let mut changed = false;
     ui.spacing_mut().item_spacing.x = GAP;
     let fits_all = legend_width(ui, entries) <= ui.available_width() + GAP;
     let mut room = ui.available_width() - if fits_all { -GAP } else { REST_WIDTH };
@@ -164,10 +169,18 @@ fn show_entries(ui: &mut Ui, entries: &[LegendEntry], theme: &WindowTheme) {
         room >= 0.0
     };
     let shown = entries.iter().take_while(fits).count();
-    for LegendEntry { curve, text } in &entries[..shown] {
-        draw_swatch(ui, curve);
-        ui.label(egui::RichText::new(text).small().color(theme.weak));
+    for entry in &entries[..shown] {
+        if show_entry(ui, chart, entry, &hidden, theme).clicked() {
+            match ui.input(|input| input.modifiers.command) {
+                true => hidden.isolate(chart, &entry.curve.name),
+                false => hidden.toggle(&entry.curve.name),
+            }
+            changed = true;
+        }
         ui.add_space(GAP);
+    }
+    if changed {
+        hidden.store(ui.ctx(), chart);
     }
     if shown < entries.len() {
         let names: Vec<&str> = entries[shown..].iter().map(|entry| entry.text.as_str()).collect();
@@ -176,15 +189,34 @@ fn show_entries(ui: &mut Ui, entries: &[LegendEntry], theme: &WindowTheme) {
     }
 }
 
-fn draw_swatch(ui: &mut Ui, curve: &ChartCurve) {
+/// Shows a curve's sign and name; the name of a hidden one is struck through.
+fn show_entry(
+    ui: &mut Ui,
+    chart: &Chart,
+    entry: &LegendEntry,
+    hidden: &HiddenCurves,
+    theme: &WindowTheme,
+) -> egui::Response {
+    let is_hidden = hidden.contains(&entry.curve.name);
+    draw_swatch(ui, entry.curve, if is_hidden { HIDDEN_SHARE } else { 1.0 });
+    let text = egui::RichText::new(&entry.text).small().color(theme.weak);
+    let label = egui::Label::new(if is_hidden { text.strikethrough() } else { text });
+    let response = ui.add(label.selectable(false).sense(egui::Sense::click()));
+    let name = format!("curve {} of {}", entry.curve.name, chart.title);
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, !is_hidden, &name));
+    response.on_hover_text("click: hide or show; Ctrl+click: this curve alone")
+}
+
+fn draw_swatch(ui: &mut Ui, curve: &ChartCurve, share: f32) {
     let (rect, _) = ui.allocate_exact_size(Vec2::new(SWATCH_WIDTH, 10.0), egui::Sense::hover());
     let line = [rect.left_center(), rect.right_center()];
-    let stroke = egui::Stroke::new(2.0, curve.colour);
+    let colour = curve.colour.gamma_multiply(share);
+    let stroke = egui::Stroke::new(2.0, colour);
     match curve.dash {
         LineDash::Solid => {
             ui.painter().line_segment(line, stroke);
         }
         LineDash::Dashed => ui.painter().extend(egui::Shape::dashed_line(&line, stroke, 5.0, 3.0)),
-        LineDash::Dotted => ui.painter().extend(egui::Shape::dotted_line(&line, curve.colour, 4.0, 1.2)),
+        LineDash::Dotted => ui.painter().extend(egui::Shape::dotted_line(&line, colour, 4.0, 1.2)),
     }
 }

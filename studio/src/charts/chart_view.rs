@@ -7,6 +7,7 @@ use super::axis_ticks::{X_DISTANCE, Y_DISTANCE, axis_ticks, format_decade_tick, 
 use super::bound_regions::draw_bounds;
 use super::chart::{AxisScale, Chart, ChartCurve, LineDash, PlotAxis};
 use super::chart_heading::{HeadingResponse, HeadingStyle, show_heading};
+use super::hidden_curves::HiddenCurves;
 use super::line_simplification::simplify_line;
 use super::plot_labels::draw_labels;
 use super::plot_limits::PlotLimits;
@@ -99,6 +100,7 @@ fn show_plot(
     let labels: [String; 2] = std::array::from_fn(|k| fit_label(ui, &chart.labels[k], label_lengths[k]));
     let hints = |axis: PlotAxis| axis_hints(&labels[axis.index()], chart.scales[axis.index()], axis, theme);
     limits.take_wheel(ui, area);
+    let hidden = HiddenCurves::load(ui.ctx(), chart);
     let scales = chart.scales;
     // a plot keeps its limits wherever its tile stands
     let mut plot = Plot::new(("chart", &chart.title))
@@ -122,7 +124,7 @@ fn show_plot(
     }
     let shown = plot.show(ui, |plot| {
         limits.apply(chart, plot);
-        draw_chart(plot, chart, theme, size);
+        draw_chart(plot, chart, &hidden, theme, size);
     });
     let (title, response) = (chart.title.clone(), shown.response);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("plot: {title}")));
@@ -161,10 +163,16 @@ fn axis_hints<'a>(label: &str, scale: AxisScale, axis: PlotAxis, theme: &WindowT
         .formatter(move |mark, _| format_tick(mark))
         .label_spacing(egui::Rangef::new(1.0, 2.0))
         .tick_label_color(theme.text.gamma_multiply(0.85))
-        .tick_label_font(egui::FontId::proportional(11.0))
+        .tick_label_font(egui::FontId::proportional(12.0))
 }
 
-fn draw_chart<'a>(plot: &mut egui_plot::PlotUi<'a>, chart: &'a Chart, theme: &WindowTheme, size: Vec2) {
+fn draw_chart<'a>(
+    plot: &mut egui_plot::PlotUi<'a>,
+    chart: &'a Chart,
+    hidden: &HiddenCurves,
+    theme: &WindowTheme,
+    size: Vec2,
+) {
     for level in &chart.levels {
         let y = chart.plot_coordinate(PlotAxis::Y, *level);
         let colour = theme.weak.gamma_multiply(0.6);
@@ -177,7 +185,7 @@ fn draw_chart<'a>(plot: &mut egui_plot::PlotUi<'a>, chart: &'a Chart, theme: &Wi
         [chart.value_at(PlotAxis::X, bounds.min()[0]), chart.value_at(PlotAxis::X, bounds.max()[0])]
     };
     let pixels_per_unit = [f64::from(size.x) / bounds.width(), f64::from(size.y) / bounds.height()];
-    for curve in &chart.curves {
+    for curve in chart.curves.iter().filter(|curve| !hidden.contains(&curve.name)) {
         let points = curve.points.visible_points(visible, size.x as usize);
         let coordinates = |p: &[f64; 2]| {
             [chart.plot_coordinate(PlotAxis::X, p[0]), chart.plot_coordinate(PlotAxis::Y, p[1])]

@@ -8,7 +8,7 @@ use super::chart::{Chart, PlotAxis};
 use crate::theme::WindowTheme;
 
 /// Size of the text, points.
-const TEXT_SIZE: f32 = 11.0;
+const TEXT_SIZE: f32 = 12.0;
 /// Distance of a label from the edges of the plot and from its line, points.
 const DISTANCE: f32 = 4.0;
 /// Room that the grip of a limit takes, points.

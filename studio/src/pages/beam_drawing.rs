@@ -120,7 +120,7 @@ fn draw_ruler(ui: &Ui, theme: &WindowTheme, frame: &DrawingScale, from: f64, to:
 }
 
 fn draw_text(ui: &Ui, at: Pos2, what: &str, colour: Color32) {
-    ui.painter().text(at, egui::Align2::CENTER_CENTER, what, egui::FontId::proportional(11.0), colour);
+    ui.painter().text(at, egui::Align2::CENTER_CENTER, what, egui::FontId::proportional(12.0), colour);
 }
 
 /// Largest deflection of a moving mode, as a share of the beam's length: clearly visible, and small enough to stay in the card.

@@ -90,8 +90,13 @@ fn show_fit(ui: &mut Ui, view: &StudioView, answer: &AnswerText) {
     });
 }
 
+/// Shows what the sensors allow to be told, folded until it is asked for.
 fn show_evidence(ui: &mut Ui, theme: &WindowTheme, answer: &AnswerText) {
-    widgets::show_heading(ui, "Equations of torque and motion that these sensors allow");
+    let title = "Equations of torque and motion that these sensors allow";
+    egui::CollapsingHeader::new(title).show(ui, |ui| show_equations(ui, theme, answer));
+}
+
+fn show_equations(ui: &mut Ui, theme: &WindowTheme, answer: &AnswerText) {
     for row in &answer.isolability {
         let sees = component_list(&row.sees).replace('_', " ");
         let colour = if row.available { theme.text } else { theme.weak };

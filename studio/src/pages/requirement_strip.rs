@@ -14,13 +14,15 @@ use crate::view::StudioView;
 
 /// Least width of a chip, and its height, points.
 const CHIP: Vec2 = Vec2::new(140.0, 44.0);
+/// Rows of chips that are shown at once; further ones are scrolled to.
+const STRIP_ROWS: f32 = 2.0;
 /// Room at both sides of the text of a chip, points.
 const CHIP_MARGIN: f32 = 7.0;
 /// Sizes of the text of a chip, points.
 const NAME_SIZE: f32 = 12.0;
-const DETAILS_SIZE: f32 = 10.0;
+const DETAILS_SIZE: f32 = 12.0;
 const VALUE_SIZE: f32 = 13.0;
-const LIMIT_SIZE: f32 = 11.0;
+const LIMIT_SIZE: f32 = 12.0;
 /// Room between two texts of a chip, and for the sign of its verdict, points.
 const TEXT_GAP: f32 = 5.0;
 const SIGN_WIDTH: f32 = 13.0;
@@ -34,21 +36,26 @@ pub fn show(ui: &mut Ui, view: &mut StudioView, values: &[RequirementValue], con
     if values.is_empty() {
         return;
     }
-    egui::ScrollArea::horizontal().id_salt("requirements").auto_shrink([false, true]).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = space::SMALL;
-            for (k, value) in values.iter().enumerate() {
-                let chip = Chip { is_selected: view.requirement == k, ..Chip::new(view, value, controlled) };
-                let response = chip.show(ui, &view.theme);
-                if response.clicked() {
-                    view.requirement = k;
+    let most = STRIP_ROWS * (CHIP.y + space::SMALL);
+    egui::ScrollArea::vertical().id_salt("requirements").auto_shrink([false, true]).max_height(most).show(
+        ui,
+        |ui| {
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing = Vec2::splat(space::SMALL);
+                for (k, value) in values.iter().enumerate() {
+                    let chip =
+                        Chip { is_selected: view.requirement == k, ..Chip::new(view, value, controlled) };
+                    let response = chip.show(ui, &view.theme);
+                    if response.clicked() {
+                        view.requirement = k;
+                    }
+                    if response.hovered() || response.has_focus() {
+                        view.help.note(chip.whole_name(), CHIP_HELP);
+                    }
                 }
-                if response.hovered() || response.has_focus() {
-                    view.help.note(chip.whole_name(), CHIP_HELP);
-                }
-            }
-        });
-    });
+            });
+        },
+    );
     ui.add_space(space::SMALL);
 }
 
