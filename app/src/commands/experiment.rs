@@ -9,7 +9,8 @@ use counterpoise_host::workers::ProgressPool;
 use counterpoise_host::{files, projects};
 use counterpoise_pipeline::recordings::experiment::{DiagnosisFindings, plan_experiment};
 use counterpoise_project::Purpose;
-use counterpoise_report::wording::experiment::{ExperimentPlanText, describe_plan};
+use counterpoise_report::terminal::experiment::experiment_lines;
+use counterpoise_report::wording::experiment::describe_plan;
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
 use crate::exit::{CommandResult, ExitStatus};
@@ -105,7 +106,8 @@ pub fn run(options: &ExperimentOptions) -> CommandResult {
     }
     if !output::write_result(&options.results, &text)? {
         let controlled = loaded.project.plant.controlled_quantity();
-        print(&text, options, [controlled.travel_unit(), controlled.rate().unit()]);
+        output::print_lines(&experiment_lines(&text, controlled));
+        say!("the demand is written to {}", options.output.display());
     }
     Ok(ExitStatus::SUCCESS)
 }
@@ -115,35 +117,4 @@ fn csv(demand: &[f64], period_s: f64) -> String {
     let rows =
         demand.iter().enumerate().map(|(k, value)| format!("{:.6},{value:.9e}\n", k as f64 * period_s));
     std::iter::once("time [s],demand\n".to_owned()).chain(rows).collect()
-}
-
-/// Prints a plan, with the units of a motion and of its rate.
-fn print(text: &ExperimentPlanText, options: &ExperimentOptions, [travel, rate]: [&str; 2]) {
-    say!("machines that are left:");
-    text.machines.iter().enumerate().for_each(|(k, name)| say!("  {}: {name}", k + 1));
-    say!("best experiment: {}", text.what);
-    say!(
-        "  reaches {:.4} {travel}, {:.4} {rate} and {:.3} A",
-        text.reached_angle_rad,
-        text.reached_rate_rad_s,
-        text.reached_current_a
-    );
-    say!("  {:<12} {:>29} {:>24}", "machines", "expected log-likelihood ratio", "probability of deciding");
-    for pair in &text.separations {
-        let machines = format!("{} and {}", pair.first + 1, pair.second + 1);
-        say!("  {machines:<12} {:>29.1} {:>22.1} %", pair.log_likelihood_ratio, 100.0 * pair.probability);
-    }
-    if text.separations.iter().all(|pair| pair.probability == 0.0) && !text.separations.is_empty() {
-        say!(
-            "  within these limits no experiment tells the machines apart; wider limits, or a further sensor, may"
-        );
-    }
-    text.others.iter().for_each(|other| {
-        say!(
-            "  instead: {} (ratio {:.1} for the two machines hardest to separate)",
-            other.what,
-            other.log_likelihood_ratio
-        )
-    });
-    say!("the demand is written to {}", options.output.display());
 }

@@ -10,10 +10,9 @@ use counterpoise_pipeline::studies::front::{ProjectFront, project_front, project
 use counterpoise_pipeline::{World as _, build_plant_model, reduce_plant, synthesise, verify};
 use counterpoise_project::resolve::front::{FrontOptions, read_objectives};
 use counterpoise_project::{Project, Purpose};
-use counterpoise_report::front::{
-    ObjectiveWords, content_words, front_report, headline_words, objective_words, standing_words,
-};
+use counterpoise_report::front::front_report;
 use counterpoise_report::results::FrontText;
+use counterpoise_report::terminal::front::front_lines;
 use counterpoise_synth::LoopLimits;
 
 use super::synth_outputs::{report_origin, save_project, verdicts_of};
@@ -172,7 +171,7 @@ pub fn run(request: &FrontRequest<'_>, asked: &AskedFront) -> CommandResult {
         output::write_report(path, &outputs.results, &page)?;
     }
     if !output::write_result(&outputs.results, &text)? {
-        print_front(&text);
+        output::print_lines(&front_lines(&text));
         request.save.iter().for_each(|path| say!("project {}", path.display()));
         outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
@@ -183,61 +182,6 @@ fn choose(project: &Project, found: &ProjectFront, number: usize) -> Result<Proj
     let count = found.points.len();
     project_with_point(project, found, number)
         .with_context(|| format!("--choose {number}: the front has the designs 1 to {count}"))
-}
-
-/// Width of the column of a figure, and of that of a name.
-const FIGURE: usize = 14;
-const NAME: usize = 28;
-
-fn print_front(front: &FrontText) {
-    let words = objective_words(front);
-    say!("{}", headline_words(front));
-    say!("the residual is the {}; every design keeps {}", front.objective, limits_line(front));
-    for kind in &front.kinds {
-        match &kind.why {
-            Some(why) => say!("{}: no front: {why}", kind.name),
-            None => say!("{}: {} feedbacks were evaluated", kind.name, kind.evaluations),
-        }
-    }
-    say!();
-    let row = |number: &str, name: &str, cells: Vec<String>, standing: &str| {
-        let cells: String = cells.iter().map(|cell| format!("{cell:>FIGURE$}")).collect();
-        say!("{number:>4}  {name:NAME$}{cells}   {standing}");
-    };
-    let unit =
-        |word: &ObjectiveWords| if word.unit.is_empty() { String::new() } else { format!("[{}]", word.unit) };
-    let short = |word: &ObjectiveWords| word.name.chars().take(FIGURE - 1).collect::<String>();
-    row("", "", words.iter().map(short).collect(), "");
-    row("", "", words.iter().map(unit).collect(), "");
-    let cells =
-        |figures: &[f64]| words.iter().zip(figures).map(|(word, figure)| word.show(*figure)).collect();
-    for reference in &front.references {
-        row("", &reference.name, cells(&reference.figures), "to compare with");
-    }
-    for design in &front.designs {
-        row(&design.number.to_string(), &design.kind, cells(&design.figures), standing_words(design));
-    }
-    say!();
-    match front.chosen.and_then(|number| front.designs.get(number - 1)) {
-        Some(design) => {
-            say!("design {} was chosen: {}", design.number, content_words(front, design));
-            print_verdicts(front);
-        }
-        None => say!("`--choose NUMBER --save FILE` verifies a design and writes it"),
-    }
-}
-
-fn limits_line(front: &FrontText) -> String {
-    counterpoise_report::designs::limits_words(&front.limits)
-}
-
-fn print_verdicts(front: &FrontText) {
-    let Some(found) = &front.verified else {
-        return say!("no [verify] section: the figures are those of the linear loop alone");
-    };
-    let [holds, fails, _] = found.verdicts;
-    say!("verified on the nonlinear plant: {holds} requirements hold, {fails} fail");
-    found.failing.iter().for_each(|line| say!("    {line}"));
 }
 
 #[cfg(test)]
