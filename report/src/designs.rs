@@ -40,7 +40,7 @@ macro_rules! heads {
                 "control [V]",
                 "time [s]",
             ],
-            concat!("RMS of KS in the band [", $gain, "]"),
+            concat!("RMS of KS (band) [", $gain, "]"),
         )
     };
 }
@@ -58,7 +58,7 @@ pub fn table_columns(loops: MeasuredLoops) -> [&'static str; 18] {
         (QuantityKind::Current, _) => heads!("controlled current", "mA", "V/A"),
     };
     if loops.objective == TuningObjective::Band {
-        (all[EFFORT], all[RESIDUAL]) = (effort_of_band, "RMS of S in the band");
+        (all[EFFORT], all[RESIDUAL]) = (effort_of_band, "RMS of S (band)");
     }
     all
 }
@@ -349,8 +349,8 @@ mod tests {
                 assert!(column_legend(loops)[1].contains(controlled.name()));
                 assert!(column_legend(loops)[2].contains(controlled.name()));
                 let band = MeasuredLoops { objective: TuningObjective::Band, controlled };
-                assert_eq!(table_columns(band)[EFFORT], format!("RMS of KS in the band [{gain}]"));
-                assert_eq!(table_columns(band)[RESIDUAL], "RMS of S in the band");
+                assert_eq!(table_columns(band)[EFFORT], format!("RMS of KS (band) [{gain}]"));
+                assert_eq!(table_columns(band)[RESIDUAL], "RMS of S (band)");
                 assert!(column_legend(band)[1].starts_with("RMS of S and of KS in the band"));
             }
         }

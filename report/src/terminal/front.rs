@@ -6,7 +6,7 @@ use crate::front::{ObjectiveWords, content_words, headline_words, objective_word
 use crate::results::FrontText;
 
 /// Width of the column of a figure, and of that of a name.
-const FIGURE: usize = 14;
+const FIGURE: usize = 17;
 const NAME: usize = 28;
 
 /// Returns the lines on a front.
