@@ -1,6 +1,12 @@
 //! Everything that can be wrong with what this crate is given, and the checks that find it.
 
+use std::fmt;
+use std::ops::Range;
+
 use crate::mat::{C64, Dense, Scalar};
+
+/// Sizes of numbers that a message shows without an exponent.
+const PLAIN_DECIMALS: Range<f64> = 1e-3..1e6;
 
 /// Why a matrix routine could not answer.
 ///
@@ -67,16 +73,16 @@ pub enum Error {
         what: &'static str,
     },
     /// A factored Lyapunov equation needs a stable matrix.
-    #[error("{what} is not stable: it has the eigenvalue {eigenvalue}")]
+    #[error("{what} is not stable: it has the eigenvalue {}", ShortNumber(*eigenvalue))]
     NotStable {
         /// The matrix.
         what: &'static str,
         /// The offending eigenvalue.
         eigenvalue: C64,
     },
-    /// A linear matrix equation has no unique solution.
+    /// A linear matrix equation has no unique solution, or rounding its entries may leave it without one.
     #[error(
-        "{equation} has no unique solution: the eigenvalues {first} and {second} meet (separation {separation:.1e})"
+        "{equation} is singular within the rounding of its entries: the eigenvalues {} and {} meet (separation {separation:.1e})", ShortNumber(*first), ShortNumber(*second)
     )]
     CommonEigenvalue {
         /// The equation.
@@ -120,7 +126,7 @@ pub enum Error {
     },
     /// Two eigenvalues are too close to change places without spoiling the matrix.
     #[error(
-        "the eigenvalues {first} and {second} are too close to be reordered (backward error {error:.1e})"
+        "the eigenvalues {} and {} are too close to be reordered (backward error {error:.1e})", ShortNumber(*first), ShortNumber(*second)
     )]
     SwapRejected {
         /// The eigenvalue that should move down.
@@ -130,6 +136,25 @@ pub enum Error {
         /// Relative backward error that the swap would have cost.
         error: f64,
     },
+}
+
+/// A complex number as a message shows it: six digits, with an exponent if it is far from one.
+pub(crate) struct ShortNumber(pub(crate) C64);
+
+impl fmt::Display for ShortNumber {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let part = |f: &mut fmt::Formatter<'_>, x: f64| match x.abs() {
+            size if size == 0.0 || PLAIN_DECIMALS.contains(&size) => write!(f, "{x:.6}"),
+            _ => write!(f, "{x:.6e}"),
+        };
+        part(f, self.0.re)?;
+        if self.0.im != 0.0 {
+            f.write_str(if self.0.im < 0.0 { " - " } else { " + " })?;
+            part(f, self.0.im.abs())?;
+            f.write_str("j")?;
+        }
+        Ok(())
+    }
 }
 
 /// Returns whether `matrix` has the shape that the equation needs.

@@ -11,35 +11,49 @@ use crate::tolerance::{
     EXPM_BALANCE_GAIN, EXPM_COMMUTES, EXPM_ENTRY, EXPM_LONG_CHAIN, EXPM_SHORT_CHAIN, PRECISE_EXPONENTIAL,
     SERIES_STATES,
 };
+use crate::transition::{Transition, has_many};
 
 /// Returns the exponential of a square matrix.
 ///
 /// Method: balancing by powers of two (kept only where it lowers the 1-norm), scaling and squaring with the diagonal Pade
 /// approximant of degree 3 to 13 (Higham, SIAM J. Matrix Anal. 26, 2005). The degree suits the norm and the longest chain of states that
-/// act on each other, so that the small entries of long chains are right, too. Cost up to about (14 + 2 s) n^3.
+/// act on each other, so that the small entries of long chains are right, too; of stiff matrices the slow states keep their digits, because the diagonal is
+/// squared as its change from one. Cost up to about (14 + 2 s) n^3.
 ///
 /// # Errors
-/// Not square, or not finite. An exponential that overflows is [`Error::NotFinite`].
+/// Not square, or not finite. An exponential that overflows is [`Error::NotFinite`]; a matrix whose norm does, [`Error::OutOfRange`].
 pub fn expm(A: &Mat) -> Result<Mat, Error> {
+    transition(A, 0).map(|exponential| exponential.Phi)
+}
+
+/// Returns the exponential of a matrix that the caller squares so many times.
+pub(crate) fn transition(A: &Mat, squarings: i32) -> Result<Transition, Error> {
     check_square("A", A)?;
     let n = A.nrows();
     let balanced = balance_all(A)?;
-    if balanced.A.norm_one() > EXPM_BALANCE_GAIN * A.norm_one() {
-        return check_exponential(pade(A, Entries::AsGiven)?);
+    if is_good_as_given(A, &balanced, f64::from(squarings).exp2()) {
+        return check_transition(pade(A, Entries::AsGiven, squarings)?);
     }
-    let back =
-        |inner: Mat, d: &[f64]| check_exponential(Mat::from_fn(n, n, |i, j| inner[(i, j)] * d[i] / d[j]));
+    let back = |inner: Transition, d: &[f64]| check_transition(inner.scale_states(d));
     let entries = Entries::of(&balanced);
-    let first = back(pade(&balanced.A, entries)?, &balanced.scale)?;
+    let first = back(pade(&balanced.A, entries, squarings)?, &balanced.scale)?;
     if !balanced.is_wide() {
         return Ok(first);
     }
     let other = || {
         let balanced = balance_beside_own_rates(A)?;
-        back(pade(&balanced.A, entries)?, &balanced.scale)
+        back(pade(&balanced.A, entries, squarings)?, &balanced.scale)
     };
-    let precise = || back(precise_hold(&balanced.A, &Mat::zeros(n, 0))?.Phi, &balanced.scale).ok();
-    commuting(A, first, other, precise, |E| E)
+    let precise = || back(precise_hold(&balanced.A, &Mat::zeros(n, 0))?.transition, &balanced.scale).ok();
+    commuting(A, first, other, precise, |E| &E.Phi)
+}
+
+/// Returns whether balancing does not pay for a matrix over an interval `h`: it hardly lowers the norm, and the units are not far apart beside rates so fast
+/// that the norm is theirs alone.
+fn is_good_as_given(A: &Mat, balanced: &BalancedMatrix, h: f64) -> bool {
+    let norm = A.norm_one();
+    let is_stiff = has_many((norm * h / LARGEST).log2().ceil() as i32);
+    balanced.A.norm_one() > EXPM_BALANCE_GAIN * norm && !(is_stiff && balanced.is_wide())
 }
 
 /// The origin of the entries of a matrix.
@@ -88,8 +102,13 @@ fn commutator(A: &Mat, E: &Mat) -> f64 {
     largest_share(&difference, &size)
 }
 
-fn check_exponential(result: Mat) -> Result<Mat, Error> {
+pub(crate) fn check_exponential(result: Mat) -> Result<Mat, Error> {
     check_finite("the exponential", &result)?;
+    Ok(result)
+}
+
+fn check_transition(result: Transition) -> Result<Transition, Error> {
+    check_finite("the exponential", &result.Phi)?;
     Ok(result)
 }
 
@@ -134,12 +153,13 @@ const COEFFICIENTS_13: [f64; 14] = [
     1.0,
 ];
 
-fn pade(A: &Mat, entries: Entries) -> Result<Mat, Error> {
+/// Returns the exponential of a matrix that the caller squares `further` times.
+fn pade(A: &Mat, entries: Entries, further: i32) -> Result<Transition, Error> {
     let structure = Structure::of(A);
     let chain = chain_steps(&structure, A);
-    let ScaledMatrix { A: scaled, squarings, mut degree } = scale_for_approximant(A, chain);
+    let ScaledMatrix { A: scaled, squarings, mut degree } = scale_for_approximant(A, chain)?;
     if is_long_chain(chain, squarings, A.nrows()) {
-        return Ok(hold_by_series(A, &Mat::zeros(A.nrows(), 0), chain).Phi);
+        return hold_by_series(A, &Mat::zeros(A.nrows(), 0), chain).map(|held| held.transition);
     }
     let A = scaled;
     if squarings == 0 && (structure.longest_path > EXPM_SHORT_CHAIN || entries == Entries::Rescaled) {
@@ -147,12 +167,15 @@ fn pade(A: &Mat, entries: Entries) -> Result<Mat, Error> {
     }
     let (W, V) = approximant(&A, degree);
     let U = &A * &W;
-    let mut X = solve(&(&V - &U), &(&V + &U))?;
+    let has_many = has_many(squarings.saturating_add(further));
+    let mut X = solve(&(&V - &U), &if has_many { U.scale(2.0) } else { &V + &U })?;
     structure.clear_unreached(&mut X);
+    let mut power = if has_many { Transition::of_change(X) } else { Transition::of_rounded(X) };
     for _ in 0..squarings {
-        X = &X * &X;
+        power = power.square();
+        check_finite("the exponential", &power.Phi)?;
     }
-    Ok(X)
+    Ok(power)
 }
 
 /// Returns the number of steps of the longest chain of states, those of the largest terms if the chain of a small matrix is long.
@@ -178,14 +201,20 @@ struct ScaledMatrix {
 
 /// Returns the matrix over the least power of two, with the lowest degree, for which the approximant is good to double precision beside the norm, and
 /// entry by entry along chains of up to `chain` steps.
-fn scale_for_approximant(A: &Mat, chain: usize) -> ScaledMatrix {
+///
+/// # Errors
+/// [`Error::OutOfRange`] if the norm is beyond the largest double: no power would do.
+fn scale_for_approximant(A: &Mat, chain: usize) -> Result<ScaledMatrix, Error> {
     let norm = A.norm_one();
+    if !norm.is_finite() {
+        return Err(Error::OutOfRange { what: "the matrix of an exponential" });
+    }
     let mut squarings = (norm / LARGEST).log2().ceil().max(0.0) as i32;
     let degree = loop {
         let scaled = norm * (-squarings as f64).exp2();
         let is_good = |&(degree, limit): &(usize, f64)| {
             let is_accurate = chain_error(degree, scaled, squarings, chain) <= EXPM_ENTRY.log2();
-            scaled.is_nan() || (scaled <= limit && is_accurate)
+            scaled <= limit && is_accurate
         };
         let limits = DEGREES.iter().map(|(limit, b)| (b.len() - 1, *limit)).chain([(13, f64::INFINITY)]);
         if let Some((degree, _)) = limits.into_iter().find(is_good) {
@@ -193,7 +222,7 @@ fn scale_for_approximant(A: &Mat, chain: usize) -> ScaledMatrix {
         }
         squarings += 1;
     };
-    ScaledMatrix { A: A.scale((-squarings as f64).exp2()), squarings, degree }
+    Ok(ScaledMatrix { A: A.scale((-squarings as f64).exp2()), squarings, degree })
 }
 
 /// Returns the binary logarithm of the relative error of the entry at the end of a chain of equal steps, exp(x) of which holds x^d / d!.
@@ -298,7 +327,7 @@ pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     check_square("A", A)?;
     check_shape("B", B, A.nrows(), B.ncols())?;
     let balanced = balance_all(A)?;
-    if balanced.A.norm_one() > EXPM_BALANCE_GAIN * A.norm_one() {
+    if is_good_as_given(A, &balanced, h) {
         return hold_integral(&A.scale(h), &B.scale(h), Entries::AsGiven).map(HeldInput::into_pair);
     }
     let input = |d: &[f64]| Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] * h / d[i]);
@@ -314,20 +343,25 @@ pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     };
     let precise =
         || precise_hold(&balanced.A.scale(h), &input(&balanced.scale))?.rescale(&balanced.scale).ok();
-    commuting(A, first, other, precise, |held| &held.Phi).map(HeldInput::into_pair)
+    commuting(A, first, other, precise, |held| &held.transition.Phi).map(HeldInput::into_pair)
 }
 
 impl HeldInput {
     /// Returns both matrices for states in other units: `D Phi D^-1` and `D Gamma`.
     fn rescale(self, d: &[f64]) -> Result<Self, Error> {
-        let scaled = |M: &Mat, right: &dyn Fn(usize) -> f64| {
-            check_exponential(Mat::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * d[i] / right(j)))
-        };
-        Ok(Self { Phi: scaled(&self.Phi, &|j| d[j])?, Gamma: scaled(&self.Gamma, &|_| 1.0)? })
+        let Gamma = Mat::from_fn(self.Gamma.nrows(), self.Gamma.ncols(), |i, j| self.Gamma[(i, j)] * d[i]);
+        Self { transition: self.transition.scale_states(d), Gamma }.check()
+    }
+
+    /// Returns both matrices if they are finite.
+    fn check(self) -> Result<Self, Error> {
+        check_finite("the exponential", &self.transition.Phi)?;
+        check_finite("the integral of the exponential", &self.Gamma)?;
+        Ok(self)
     }
 
     fn into_pair(self) -> (Mat, Mat) {
-        (self.Phi, self.Gamma)
+        (self.transition.Phi, self.Gamma)
     }
 }
 
@@ -336,10 +370,9 @@ fn hold_integral(A: &Mat, B: &Mat, entries: Entries) -> Result<HeldInput, Error>
     let (n, m) = B.shape();
     let structure = Structure::of(A);
     let chain = chain_steps(&structure, A) + 1;
-    let ScaledMatrix { A: scaled, squarings, mut degree } = scale_for_approximant(A, chain);
+    let ScaledMatrix { A: scaled, squarings, mut degree } = scale_for_approximant(A, chain)?;
     if is_long_chain(chain, squarings, n) {
-        let HeldInput { Phi, Gamma } = hold_by_series(A, B, chain);
-        return Ok(HeldInput { Phi: check_exponential(Phi)?, Gamma: check_exponential(Gamma)? });
+        return hold_by_series(A, B, chain)?.check();
     }
     let A = scaled;
     if squarings == 0 && (chain > EXPM_SHORT_CHAIN || entries == Entries::Rescaled) {
@@ -349,85 +382,8 @@ fn hold_integral(A: &Mat, B: &Mat, entries: Entries) -> Result<HeldInput, Error>
     let (W, V) = approximant(&A, degree);
     let U = &A * &W;
     let change = solve(&(&V - &U), &U.hstack(&(&W * &B)).scale(2.0))?;
-    let (mut Phi, mut Gamma) = (change.block(0, 0, n, n) + Mat::eye(n), change.block(0, n, n, m));
+    let (mut Phi, mut Gamma) = (change.block(0, 0, n, n), change.block(0, n, n, m));
     structure.clear_unreached(&mut Phi);
     structure.clear_unreached_by(&B, &mut Gamma);
-    for _ in 0..squarings {
-        Gamma = &Gamma + &(&Phi * &Gamma);
-        Phi = &Phi * &Phi;
-    }
-    Ok(HeldInput { Phi: check_exponential(Phi)?, Gamma: check_exponential(Gamma)? })
-}
-
-/// Returns the sampled cost: `Phi = exp(A h)` and `W = integral of exp(A' s) Q exp(A s) ds from 0 to h`, `Q` symmetric.
-///
-/// Source: Van Loan, IEEE Trans. Automat. Control 23 (1978). With `A = [A0 B0; 0 0]` this gives the exact sampled
-/// weights of a zero-order-hold design, cross terms included.
-///
-/// If `A h` is large, the exponential of the block matrix grows with the unstable `-A'`; the interval is then halved
-/// until it is harmless and `W(2h) = W(h) + Phi(h)' W(h) Phi(h)` doubles it again.
-///
-/// # Errors
-/// Wrong shapes, entries that are not finite.
-pub fn van_loan_cost(A: &Mat, Q: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
-    check_square("A", A)?;
-    check_shape("Q", Q, A.nrows(), A.ncols())?;
-    let n = A.nrows();
-    let halvings = (A.norm_one() * h).log2().ceil().clamp(0.0, 60.0) as i32;
-    let step = h * (-halvings as f64).exp2();
-    let mut big = Mat::zeros(2 * n, 2 * n);
-    big.set_block(0, 0, &A.t().scale(-step));
-    big.set_block(0, n, &Q.scale(step));
-    big.set_block(n, n, &A.scale(step));
-    let parts = expm(&big)?;
-    let mut Phi = parts.block(n, n, n, n);
-    let mut W = (Phi.t() * parts.block(0, n, n, n)).symmetric_part();
-    for _ in 0..halvings {
-        W = (&W + &(Phi.t() * &W * &Phi)).symmetric_part();
-        Phi = &Phi * &Phi;
-    }
-    Ok((check_exponential(Phi)?, check_exponential(W)?))
-}
-
-/// Returns the sampled noise: `Phi = exp(A h)` and `W = integral of exp(A s) Q exp(A' s) ds from 0 to h`, `Q` symmetric: the
-/// covariance that white noise of intensity `Q` leaves after one period.
-///
-/// # Errors
-/// As for [`van_loan_cost`].
-pub fn van_loan_noise(A: &Mat, Q: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
-    let (Phi, W) = van_loan_cost(&A.t(), Q, h)?;
-    Ok((Phi.t(), W))
-}
-
-/// Returns the accumulated cost: `P = integral of W(t) dt from 0 to h` with the `W(t)` of [`van_loan_cost`], `Q` symmetric. White
-/// noise of intensity `V` that enters during a period costs `tr(V P)` before the next sample can answer it.
-///
-/// Source: Van Loan 1978, the next block of the same exponential; halved and doubled as there, by
-/// `P(2h) = P(h) + h W(h) + Phi(h)' P(h) Phi(h)`.
-///
-/// # Errors
-/// As for [`van_loan_cost`].
-pub fn van_loan_accumulated(A: &Mat, Q: &Mat, h: f64) -> Result<Mat, Error> {
-    check_square("A", A)?;
-    check_shape("Q", Q, A.nrows(), A.ncols())?;
-    let n = A.nrows();
-    let halvings = (A.norm_one() * h).log2().ceil().clamp(0.0, 60.0) as i32;
-    let mut step = h * (-halvings as f64).exp2();
-    let mut big = Mat::zeros(3 * n, 3 * n);
-    big.set_block(0, 0, &A.t().scale(-step));
-    big.set_block(0, n, &Mat::eye(n).scale(step));
-    big.set_block(n, n, &A.t().scale(-step));
-    big.set_block(n, 2 * n, &Q.scale(step));
-    big.set_block(2 * n, 2 * n, &A.scale(step));
-    let parts = expm(&big)?;
-    let mut Phi = parts.block(2 * n, 2 * n, n, n);
-    let mut W = (Phi.t() * parts.block(n, 2 * n, n, n)).symmetric_part();
-    let mut P = (Phi.t() * parts.block(0, 2 * n, n, n)).symmetric_part();
-    for _ in 0..halvings {
-        P = (&P + &W.scale(step) + Phi.t() * &P * &Phi).symmetric_part();
-        W = (&W + &(Phi.t() * &W * &Phi)).symmetric_part();
-        Phi = &Phi * &Phi;
-        step *= 2.0;
-    }
-    check_exponential(P)
+    HeldInput { transition: Transition::of_change(Phi), Gamma }.square_repeatedly(squarings)?.check()
 }

@@ -4,10 +4,12 @@
 //! series divides by nothing: every entry is known to some roundings of the sum of the moduli of its terms. Evaluated as by Paterson and Stockmeyer,
 //! SIAM J. Comput. 2 (1973), with about twice the root of the degree in products.
 
+use crate::error::{Error, check_finite};
 use crate::long_matrix::{LongMatrix, LongReal};
 use crate::mat::Mat;
 use crate::structure::Moduli;
 use crate::tolerance::{SERIES_ENTRY, SERIES_NORM, SERIES_SQUARINGS};
+use crate::transition::Transition;
 
 /// A matrix whose power series can be summed.
 trait Term: Clone {
@@ -97,8 +99,24 @@ impl SeriesScale {
 
 /// The exponential of a matrix, and the integral of `exp(A s) B` over s from 0 to 1.
 pub(crate) struct HeldInput {
-    pub(crate) Phi: Mat,
+    pub(crate) transition: Transition,
     pub(crate) Gamma: Mat,
+}
+
+impl HeldInput {
+    /// Returns both for an interval that is doubled so many times.
+    ///
+    /// # Errors
+    /// An exponential that overflows.
+    pub(crate) fn square_repeatedly(self, squarings: i32) -> Result<Self, Error> {
+        let (mut power, mut Gamma) = (self.transition.for_squarings(squarings), self.Gamma);
+        for _ in 0..squarings {
+            Gamma = &Gamma + &(&power.Phi * &Gamma);
+            power = power.square();
+            check_finite("the exponential", &power.Phi)?;
+        }
+        Ok(Self { transition: power, Gamma })
+    }
 }
 
 /// Terms of a series in doubles and in 32 digits: what is left out is below 1 / 19! and 1 / 30! of the largest term, for the norm [`SERIES_NORM`].
@@ -106,13 +124,16 @@ const TERMS: usize = 18;
 const LONG_TERMS: usize = 29;
 
 /// Returns the exponential and the integral in doubles. `chain` is the number of steps of the longest chain of states, the input among them.
-pub(crate) fn hold_by_series(A: &Mat, B: &Mat, chain: usize) -> HeldInput {
+///
+/// # Errors
+/// An exponential that overflows.
+pub(crate) fn hold_by_series(A: &Mat, B: &Mat, chain: usize) -> Result<HeldInput, Error> {
     let mut scaled = SeriesScale::of(A, chain, TERMS);
     let A = A.scale(scaled.factor());
     // The factors of a power do not take equal shares of every way.
     scaled.reach_every_entry(&A, scaled.degree - TERMS / 2);
-    let [Phi, Gamma] = hold(&A, &B.scale(scaled.factor()), &scaled);
-    HeldInput { Phi, Gamma }
+    let [change, Gamma] = hold(&A, &B.scale(scaled.factor()), scaled.degree);
+    HeldInput { transition: Transition::of_change(change), Gamma }.square_repeatedly(scaled.squarings)
 }
 
 /// Returns the exponential and the integral in 32 digits, rounded, each entry right beside the sum of the moduli of its terms whatever the units of the states
@@ -123,22 +144,24 @@ pub(crate) fn precise_hold(A: &Mat, B: &Mat) -> Option<HeldInput> {
         return None;
     }
     let long = |M: &Mat| LongMatrix::from(&M.scale(scaled.factor()));
-    let [Phi, Gamma] = hold(&long(A), &long(B), &scaled).map(|M| M.round());
-    Some(HeldInput { Phi, Gamma })
+    let (one, identity) = (LongReal::from(1.0), LongMatrix::identity(A.nrows(), 1.0));
+    let [mut Phi, mut Gamma] = hold(&long(A), &long(B), scaled.degree);
+    Phi.add_times(&identity, one);
+    for _ in 0..scaled.squarings {
+        Gamma.add_times(&Phi.times(&Gamma), one);
+        Phi = Phi.times(&Phi);
+    }
+    let change = Phi.difference(&identity).round().diagonal();
+    Some(HeldInput {
+        transition: Transition { change: Some(change), Phi: Phi.round() },
+        Gamma: Gamma.round(),
+    })
 }
 
-/// Returns the exponential and the integral of a matrix and an input that were scaled.
-fn hold<M: Term>(A: &M, B: &M, scaled: &SeriesScale) -> [M; 2] {
-    let one = LongReal::from(1.0);
-    let sum = integral(A, scaled.degree);
-    let mut Phi = A.product(&sum);
-    Phi.add_multiple(&M::identity(A.size(), one), one);
-    let mut Gamma = sum.product(B);
-    for _ in 0..scaled.squarings {
-        Gamma.add_multiple(&Phi.product(&Gamma), one);
-        Phi = Phi.product(&Phi);
-    }
-    [Phi, Gamma]
+/// Returns the exponential less the identity and the integral, of a matrix and an input that were scaled for a series of this degree.
+fn hold<M: Term>(A: &M, B: &M, degree: usize) -> [M; 2] {
+    let sum = integral(A, degree);
+    [A.product(&sum), sum.product(B)]
 }
 
 /// Returns the sum of `A^k / (k + 1)!` up to k = `degree`.

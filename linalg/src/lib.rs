@@ -6,7 +6,7 @@
 //!
 //! Modules in reading order: [`mat`] (the matrix itself), [`dense`] and [`decomposition`] (checked wrappers of faer),
 //! [`balance`](mod@balance), [`schur`](mod@schur) (ordered real Schur form), [`sylvester`](mod@sylvester), [`invariant_subspace`] (how well one is determined), [`generalised_sylvester`],
-//! [`lyapunov`], [`hammarling`] (factored Lyapunov solutions), [`expm`](mod@expm), [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
+//! [`lyapunov`], [`hammarling`] (factored Lyapunov solutions), [`expm`](mod@expm), [`sampled_integrals`] (sampled cost and noise), [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
 //! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`cone_program`] (convex programs, by Clarabel), [`tolerance`],
 //! [`boundary`], [`stability`], [`staircase`] (minimal part in 32 digits), [`range_basis`] (ranks on the way to zeros), [`transfer_matrix`] (a transfer matrix to the last digits),
 //! [`eigenvector_gain`](mod@eigenvector_gain) (the feedback of chosen eigenvectors).
@@ -49,6 +49,7 @@ pub mod mat;
 pub mod pencil_roots;
 pub mod range_basis;
 pub mod riccati;
+pub mod sampled_integrals;
 mod scalar;
 pub mod schur;
 mod simple_roots;
@@ -64,6 +65,7 @@ mod structure;
 pub mod sylvester;
 pub mod tolerance;
 pub mod transfer_matrix;
+mod transition;
 
 pub use balance::{BalancedMatrix, balance};
 pub use boundary::Boundary;
@@ -77,7 +79,7 @@ pub use dense::{
 };
 pub use eigenvector_gain::{EigenvectorChoice, eigenvector_gain};
 pub use error::Error;
-pub use expm::{expm, expm_integral, van_loan_accumulated, van_loan_cost, van_loan_noise};
+pub use expm::{expm, expm_integral};
 pub use generalised_lyapunov::{CostWeights, gcare, gdare, gdlyap, glyap};
 pub use generalised_sylvester::gsylvester;
 pub use hammarling::{
@@ -91,6 +93,7 @@ pub use mat::{C64, CMat, Mat};
 pub use pencil_roots::pencil_roots;
 pub use range_basis::RangeBasis;
 pub use riccati::{Outcome, Reason, Riccati, RiccatiCertificate, RiccatiMethod, care, care_g, dare};
+pub use sampled_integrals::{van_loan_accumulated, van_loan_cost, van_loan_noise};
 pub use schur::{Schur, eigenvalues, schur};
 pub use sparse::{Sparse, SparseCholesky};
 pub use stability::{boundary_eigenvalues, is_clear_of_boundary};

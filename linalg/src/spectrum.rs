@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::mat::{C64, Mat};
 use crate::pencil_roots::{DoubtfulMode, corrected_modes};
 use crate::schur::{Schur, schur};
+use crate::structure::Structure;
 use crate::tolerance::{BOUNDARY_SUSPECT, EIGENVALUE_ERROR, EPS, FIRST_ORDER, GROWN_ENTRIES, VECTOR_NOISE};
 
 /// A matrix `A = D B D^-1`, its balanced form `B` and the Schur form of that.
@@ -110,6 +111,9 @@ impl Spectrum {
     /// By how much rounding may move an eigenvalue.
     fn movements(&self, mode: C64, boundary: Boundary) -> Movement {
         let n = self.balanced.nrows();
+        if let Some(moved) = self.own_movement(mode) {
+            return moved;
+        }
         let (y, x) = (self.left_vector(mode), self.right_vector(mode));
         let product = y.iter().zip(&x).map(|(a, b)| a * b).sum::<C64>();
         let overlap = product.norm();
@@ -129,6 +133,17 @@ impl Spectrum {
         let is_apart = by_entries <= FIRST_ORDER * apart && mode.im != 0.0;
         let across = if is_apart { unit * across } else { by_entries };
         Movement { by_entries, across, by_norm: unit * self.size * length(&y) * length(&x) }
+    }
+
+    /// The same of an eigenvalue that is a diagonal entry which no other entry moves; `None` for the others.
+    fn own_movement(&self, mode: C64) -> Option<Movement> {
+        let own: Vec<usize> =
+            (0..self.balanced.nrows()).filter(|&i| C64::new(self.balanced[(i, i)], 0.0) == mode).collect();
+        // A double eigenvalue may be a defective one, which rounding splits.
+        let [state] = own[..] else { return None };
+        let moved = EPS * mode.norm();
+        let movement = Movement { by_entries: moved, across: moved, by_norm: moved };
+        Structure::of(&self.balanced).is_alone(state).then_some(movement)
     }
 
     /// `v` with `v'B = mode v'` for the balanced matrix, its largest entry about 1.

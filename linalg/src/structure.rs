@@ -50,6 +50,12 @@ impl Structure {
         longest
     }
 
+    /// Returns whether no other state both acts on a state and is acted on by it: the diagonal entry is then an eigenvalue, and no other entry moves it.
+    pub(crate) fn is_alone(&self, i: usize) -> bool {
+        (0..self.unreached.len())
+            .all(|k| k == i || self.unreached[i].contains(&k) || self.unreached[k].contains(&i))
+    }
+
     /// Sets the entries of a function of the matrix to zero where every power has a zero: pivoting leaves rounding errors there, which are
     /// not small beside the entries of states in other units.
     pub(crate) fn clear_unreached(&self, M: &mut Mat) {
@@ -149,6 +155,8 @@ mod tests {
         assert_eq!([depth(&chain), depth(&ring)], [6, 6]);
         assert_eq!([depth(&Mat::from_fn(7, 7, |_, _| 1.0)), depth(&Mat::eye(3))], [1, 0]);
         assert_eq!(depth(&Mat::zeros(0, 0)), 0);
+        let pair = Structure::of(&Mat::from_rows(&[&[1.0, 2.0, 0.0], &[3.0, 1.0, 0.0], &[4.0, 5.0, 1.0]]));
+        assert_eq!([0, 1, 2].map(|i| pair.is_alone(i)), [false, false, true]);
     }
 
     #[test]

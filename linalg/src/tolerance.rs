@@ -58,8 +58,9 @@ pub const PRECISE_DOUBLINGS: usize = 70;
 /// boundary, the nearest that 32 digits tell from one on it.
 pub const PRECISE_SQUARINGS: usize = 110;
 
-/// Newton steps allowed in 32 digits: near a double pole on the boundary each step only halves the error.
-pub const PRECISE_NEWTON_STEPS: usize = 60;
+/// Newton steps allowed in 32 digits: near a double pole on the boundary each step only halves the error, and so it does on the way to a closed-loop pole
+/// 1e-20 from it, from a start that moves every pole by one.
+pub const PRECISE_NEWTON_STEPS: usize = 80;
 
 /// A power of the closed loop below this contributes less than 1e-32 to the sum that solves a Lyapunov equation.
 pub const PRECISE_POWER: f64 = 1e-16;
@@ -384,6 +385,15 @@ pub const PRECISE_EXPONENTIAL: usize = 32;
 
 /// Squarings of an exponential in 32 digits at most: each may double the relative error, and 2^-53 is to be left of 2^-100.
 pub const SERIES_SQUARINGS: i32 = 45;
+
+/// Squarings of an exponential up to which its diagonal need not be kept as the change from one: 2^4 roundings are left.
+pub const FEW_SQUARINGS: i32 = 4;
+
+/// A diagonal entry of an exponential that has fallen by more than this is squared as it is: the change from one has fewer of its digits.
+pub const SMALL_CHANGE: f64 = 0.5;
+
+/// Halvings of a sampling interval at most: the exponential scales by itself what is left.
+pub const MOST_HALVINGS: f64 = 60.0;
 
 /// An entry of the factor of a Lyapunov equation above this share of its row determines the phase of the row to all but three digits.
 pub const DETERMINES_PHASE: f64 = 1e-3;

@@ -13,4 +13,5 @@ mod riccati;
 mod riccati_parametric;
 mod riccati_singular;
 mod schur;
+mod stiff;
 mod symmetric;

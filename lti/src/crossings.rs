@@ -69,6 +69,14 @@ impl Scan {
         (is_level && is_real).then_some(Point { rate: 0.0, value: C64::new(limit, 0.0) })
     }
 
+    /// Returns whether the gain is one at all points, as far as rounding lets it be known.
+    pub fn is_all_pass(&self) -> bool {
+        let is_one = |point: &Point| {
+            (point.value.norm() - 1.0).abs() <= CERTAIN_SIGN * (f64::EPSILON + self.rounding_at(*point))
+        };
+        !self.points.is_empty() && self.points.iter().all(is_one)
+    }
+
     /// Returns where the gain crosses one, on the grid and between it and the limits beyond its ends.
     pub fn unit_crossings(&self) -> Vec<Point> {
         let excess = |L: C64| L.norm() - 1.0;

@@ -19,16 +19,26 @@ struct TrackedSystem {
     D: TrackedMatrix,
 }
 
-/// Returns the finite invariant zeros, sorted by real, then imaginary part.
+/// Zeros, and whether they rest on sums that count as zero although they are more than rounding.
+pub(crate) struct EntrywiseZeros {
+    /// The finite invariant zeros, sorted by real, then imaginary part.
+    pub(crate) zeros: Vec<C64>,
+    /// `true` if no such sum was met.
+    pub(crate) are_clear: bool,
+}
+
+/// Returns the finite invariant zeros. A sum below the share `cancelled` of its terms counts as zero.
 ///
 /// # Errors
 /// Returns [`Error::Matrix`] if a decomposition fails.
-pub(crate) fn entrywise_zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
-    let whole = [&g.A, &g.B, &g.C, &g.D].map(|M| TrackedMatrix::of(M.clone()));
+pub(crate) fn entrywise_zeros(g: &StateSpace, cancelled: f64) -> Result<EntrywiseZeros, Error> {
+    let whole = [&g.A, &g.B, &g.C, &g.D].map(|M| TrackedMatrix::with_share(M.clone(), cancelled));
     let [A, B, C, D] = whole;
     let rows = TrackedSystem { A, B, C, D }.compress()?;
     let square = rows.dual().compress()?.dual();
-    square.eigenvalues(g)
+    let TrackedSystem { A, B, C, D } = &square;
+    let are_clear = ![A, B, C, D].into_iter().any(|M| M.lost_more_than_rounding);
+    Ok(EntrywiseZeros { zeros: square.eigenvalues(g)?, are_clear })
 }
 
 impl TrackedSystem {

@@ -68,6 +68,8 @@ pub struct Margins {
     pub phase: Vec<PhaseMargin>,
     /// Smallest added delay in seconds that reaches the critical point; infinite without a crossing.
     pub delay_s: f64,
+    /// `true` if the gain is one at all frequencies, to rounding: there are no crossings, and every frequency reaches the critical point by some delay.
+    pub is_all_pass: bool,
     /// Peak of the sensitivity S = 1/(1 + L).
     pub ms: Peak,
     /// Peak of the complementary sensitivity T = L/(1 + L).
@@ -115,14 +117,44 @@ fn smallest_phase(margins: &[PhaseMargin]) -> Option<&PhaseMargin> {
 impl Margins {
     /// Returns the margins that a response shows; whether the closed loop is stable is not known yet.
     pub(crate) fn of_scan(scan: &Scan, gain: Vec<GainMargin>, phase: Vec<PhaseMargin>) -> Self {
+        let is_all_pass = scan.is_all_pass();
+        let reaching = scan.points.iter().filter(|_| is_all_pass).filter(|point| point.rate > 0.0);
+        let delays = phase.iter().map(|margin| margin.delay_s);
         Self {
-            delay_s: phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
+            delay_s: delays
+                .chain(reaching.map(|point| lag(*point) / point.rate))
+                .fold(f64::INFINITY, f64::min),
+            is_all_pass,
             ms: sensitivity_peak(scan),
             mt: or_at_rest(scan, 1.0, peak(scan, |L| L.norm() / (L + 1.0).norm())),
             disk: disk(scan),
             closed_loop_stable: false,
             critical_pole: None,
             gain,
+            phase,
+        }
+    }
+
+    /// Returns the margins with the peaks of a scan's points as they are, without those between them.
+    pub(crate) fn of_points(scan: &Scan, phase: Vec<PhaseMargin>) -> Self {
+        let highest = |of: fn(C64) -> f64| {
+            let peaks =
+                scan.points.iter().map(|point| Peak { value: of(point.value), rate_rad_s: point.rate });
+            peaks.max_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(Peak { value: 0.0, rate_rad_s: 0.0 })
+        };
+        Self {
+            delay_s: phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
+            is_all_pass: scan.is_all_pass(),
+            ms: highest(|L| 1.0 / (L + 1.0).norm()),
+            mt: or_at_rest(scan, 1.0, highest(|L| L.norm() / (L + 1.0).norm())),
+            disk: DiskMargin::of(or_at_rest(
+                scan,
+                0.5,
+                highest(|L| 0.5 * (L - 1.0).norm() / (L + 1.0).norm()),
+            )),
+            closed_loop_stable: false,
+            critical_pole: None,
+            gain: Vec::new(),
             phase,
         }
     }
@@ -260,14 +292,28 @@ pub(crate) fn gain_margins(scan: &Scan, ends: &[Point]) -> Vec<GainMargin> {
 }
 
 pub(crate) fn phase_margins(scan: &Scan) -> Vec<PhaseMargin> {
+    delayed_phase_margins(scan, 0.0)
+}
+
+/// Returns the crossings of the unit circle behind a delay in seconds, which moves none of them.
+pub(crate) fn delayed_phase_margins(scan: &Scan, delay_s: f64) -> Vec<PhaseMargin> {
+    if scan.is_all_pass() {
+        return Vec::new();
+    }
     let crossings = scan.unit_crossings().into_iter();
     let real = crossings.filter(|point| (point.value.norm() - 1.0).abs() <= UNIT_CROSSING);
     let margin = |point: Point| {
-        let angle = (-point.value).arg();
-        let lag = if angle < 0.0 { angle + 2.0 * PI } else { angle };
-        PhaseMargin { deg: angle.to_degrees(), rate_rad_s: point.rate, delay_s: lag / point.rate }
+        let turned = Point { value: point.value * C64::from_polar(1.0, -point.rate * delay_s), ..point };
+        let deg = (-turned.value).arg().to_degrees();
+        PhaseMargin { deg, rate_rad_s: point.rate, delay_s: lag(turned) / point.rate }
     };
     real.map(margin).collect()
+}
+
+/// Returns the angle, from 0 to 2 pi, by which a response is to be turned back onto the negative axis.
+fn lag(point: Point) -> f64 {
+    let angle = (-point.value).arg();
+    if angle < 0.0 { angle + 2.0 * PI } else { angle }
 }
 
 pub(crate) fn peak(scan: &Scan, of: impl Fn(C64) -> f64) -> Peak {

@@ -1,15 +1,15 @@
 //! Poles and zeros.
 
 use crate::components::components;
-use crate::entrywise_zeros::entrywise_zeros;
+use crate::entrywise_zeros::{EntrywiseZeros, entrywise_zeros};
 use crate::error::OperationContext;
 use crate::root_order::sort_roots;
 use crate::scaling::balance;
 use crate::tolerance::{
-    BAUER_STEPS, DIRECT_GROWTH, DISPLACED_ZERO, PRECISE_SIZE, SAME_ROOT, SETTLED_ROOT, SINGULAR_ROUNDINGS,
-    SUSPECT_POLE, ZERO_RANK,
+    BAUER_STEPS, CANCELLED, CANCELLED_TO_ROUNDING, DETERMINED_ZERO, DIRECT_GROWTH, DISPLACED_ZERO,
+    PRECISE_SIZE, SAME_ROOT, SETTLED_ROOT, SINGULAR_ROUNDINGS, SUSPECT_POLE, ZERO_RANK,
 };
-use crate::{C64, Error, Mat, StateSpace, Timebase};
+use crate::{C64, CMat, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg::{self as linalg, Boundary, RangeBasis};
 
 /// Returns the poles: the eigenvalues of A, sorted by real, then imaginary part.
@@ -89,7 +89,7 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
 /// Scaling by powers of two, then Emami-Naeini and Van Dooren's reduction (Automatica 18 (1982) 415) to a system with an
 /// invertible direct path, whose zeros are eigenvalues (generalised ones if the path is nearly singular). The reduction is made twice: by orthogonal
 /// transformations, whose ranks are decided by one absolute tolerance, and by eliminations whose ranks are decided entry by
-/// entry (`entrywise_zeros`). The first is the answer if both agree, because it is the more accurate one for systems of one scale;
+/// entry (`entrywise_zeros`), first coarsely and again, if a sum that counted as zero is more than rounding, by what rounding leaves of a sum. The first is the answer if both agree, because it is the more accurate one for systems of one scale;
 /// otherwise the second is, corrected in 32 digits if there are as many inputs as outputs and at most 32 states and inputs
 /// ([`linalg::pencil_roots`](fn@linalg::pencil_roots)). A zero that the eliminations place at the origin stays there unless the system matrix is regular
 /// under a hundred roundings of each entry. Infinite zeros do not appear. Input and output decoupling zeros are among the answer. O(n^3).
@@ -98,13 +98,15 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
 /// [`Error::Matrix`] if a decomposition fails.
 pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let scaled = unit_gains(&balance(g).0);
-    let entrywise = entrywise_zeros(&scaled)?;
+    let entrywise = entrywise_zeros(&scaled, CANCELLED)?;
     let orthogonal = orthogonal_zeros(scaled.clone());
     if let Ok(zeros) = &orthogonal
-        && is_same(zeros, &entrywise, SETTLED_ROOT)
+        && entrywise.are_clear
+        && is_same(zeros, &entrywise.zeros, SETTLED_ROOT)
     {
         return orthogonal;
     }
+    let entrywise = supported_zeros(&scaled, entrywise, &orthogonal)?;
     match precise_zeros(&scaled, &entrywise)? {
         Some(zeros) => Ok(zeros),
         None => Ok(agreed_zeros(orthogonal, entrywise)),
@@ -118,8 +120,51 @@ pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
 /// As [`zeros`].
 pub(crate) fn uncorrected_zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let scaled = unit_gains(&balance(g).0);
-    let entrywise = entrywise_zeros(&scaled)?;
-    Ok(agreed_zeros(orthogonal_zeros(scaled), entrywise))
+    let entrywise = entrywise_zeros(&scaled, CANCELLED)?;
+    let orthogonal = orthogonal_zeros(scaled.clone());
+    let entrywise = supported_zeros(&scaled, entrywise, &orthogonal)?;
+    Ok(agreed_zeros(orthogonal, entrywise))
+}
+
+/// Returns the zeros by eliminations, with those that a sum which all but cancels puts far away, or at the origin, if the data determine them and rounding
+/// alone may not have made them.
+///
+/// Two methods that find one number of zeros support each other. If only the finer decision of the eliminations finds more, each of those must move by less
+/// than [`DETERMINED_ZERO`] of itself when the entries are rounded.
+fn supported_zeros(
+    g: &StateSpace,
+    entrywise: EntrywiseZeros,
+    orthogonal: &Result<Vec<C64>, Error>,
+) -> Result<Vec<C64>, Error> {
+    let EntrywiseZeros { zeros, are_clear } = entrywise;
+    if are_clear {
+        return Ok(zeros);
+    }
+    let fine = entrywise_zeros(g, CANCELLED_TO_ROUNDING)?.zeros;
+    let count = orthogonal.as_ref().ok().map(Vec::len);
+    let is_second = count == Some(fine.len()) && count != Some(zeros.len());
+    let is_supported =
+        is_second || fine.len() > zeros.len() && fine.iter().all(|&zero| is_determined(g, zero));
+    Ok(if is_supported { fine } else { zeros })
+}
+
+/// Returns whether a rounding of each entry of a square system matrix moves a zero by little, to first order.
+fn is_determined(g: &StateSpace, zero: C64) -> bool {
+    if g.inputs() != 1 || g.outputs() != 1 {
+        return false;
+    }
+    let n = g.order();
+    let shifted =
+        CMat::from_fn(n, n, |i, j| (if i == j { zero } else { C64::default() }) - C64::new(g.A[(i, j)], 0.0));
+    let right = linalg::csolve(&shifted, &g.B.to_complex());
+    let left = linalg::csolve(&shifted.t(), &g.C.t().to_complex());
+    let (Ok(x), Ok(y)) = (right, left) else { return false };
+    // With [x; 1] and [y; 1] as null vectors of the system matrix.
+    let moduli = |M: &CMat| M.map(|e| e.norm());
+    let (X, Y) = (moduli(&x).vstack(&Mat::eye(1)), moduli(&y).vstack(&Mat::eye(1)));
+    let terms = (&Y.t() * &(&system_matrix(g).map(f64::abs) * &X))[(0, 0)];
+    let derivative = (0..n).map(|i| x[(i, 0)] * y[(i, 0)]).sum::<C64>().norm();
+    f64::EPSILON * terms <= DETERMINED_ZERO * derivative * zero.norm()
 }
 
 /// Returns the zeros by orthogonal transformations if both methods agree; otherwise those by eliminations.

@@ -9,9 +9,8 @@ use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::scaling::balance;
 use crate::tolerance::{
     ASYMPTOTE_DEPARTS, AT_ORIGIN, CANDIDATE_GAINS, CAREFUL_ROUNDING, CERTAIN_SIGN, DELAY_TURN,
-    DELAYED_POINTS, EVERY_GAIN, LEAST_GAIN, NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP, SCAN_BEYOND,
-    SCAN_PER_DECADE, SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST,
-    ZOOMS,
+    DELAYED_POINTS, EVERY_GAIN, NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE,
+    SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -85,39 +84,37 @@ impl Scan {
         Ok(self)
     }
 
-    /// Returns the response of the same loop with a delay in seconds, up to the frequency from which on the gain is below
-    /// [`LEAST_GAIN`].
-    pub fn with_delay(mut self, g: &StateSpace, delay_s: f64) -> Result<Self, Error> {
-        self.extend_down(g)?;
-        let last = self.points.iter().rposition(|point| point.value.norm() >= LEAST_GAIN);
+    /// Returns the response of the same loop with a delay in seconds, up to the frequency from which on the gain is below `least_gain`; `None` if the delay
+    /// turns it so often up to there that a grid of [`DELAYED_POINTS`] does not resolve it.
+    pub fn with_delay(
+        mut self,
+        g: &StateSpace,
+        delay_s: f64,
+        least_gain: f64,
+    ) -> Result<Option<Self>, Error> {
+        self.extend_down(g, least_gain)?;
+        let last = self.points.iter().rposition(|point| point.value.norm() >= least_gain);
         self.points.truncate(last.map_or(1, |at| at + 2));
         self.delay_s = delay_s;
+        // Close enough that no turn of the delay hides between two points.
+        let parts = |w: &[Point]| ((w[1].rate - w[0].rate) * delay_s / DELAY_TURN).ceil().max(1.0);
+        if self.points.windows(2).map(parts).sum::<f64>() > DELAYED_POINTS as f64 {
+            return Ok(None);
+        }
         let mut rates: Vec<f64> = self.points.iter().take(1).map(|point| point.rate).collect();
         for w in self.points.windows(2) {
-            // Close enough that no turn of the delay hides between two points.
-            let count =
-                ((w[1].rate - w[0].rate) * delay_s / DELAY_TURN).ceil().clamp(1.0, DELAYED_POINTS as f64);
+            let count = parts(w);
             rates
                 .extend((1..=count as usize).map(|k| w[0].rate + (w[1].rate - w[0].rate) * k as f64 / count));
-            if rates.len() > DELAYED_POINTS {
-                break;
-            }
         }
-        let (reached, last) = (rates.last().copied(), self.points.last().map(|point| point.rate));
         self.points = self.evaluate(&rates);
         self.refine();
-        if reached < last || self.points.windows(2).any(|w| self.is_unresolved(w[0], w[1])) {
-            return Err(Error::NotConverged {
-                what: "the response of a loop with delay",
-                iterations: self.points.len(),
-                change: 1.0,
-            });
-        }
-        Ok(self)
+        let is_resolved = !self.points.windows(2).any(|w| self.is_unresolved(w[0], w[1]));
+        Ok(is_resolved.then_some(self))
     }
 
-    /// Adds points beyond the last one until the gain is below [`LEAST_GAIN`].
-    fn extend_down(&mut self, g: &StateSpace) -> Result<(), Error> {
+    /// Adds points beyond the last one until the gain is below `least_gain`.
+    fn extend_down(&mut self, g: &StateSpace, least_gain: f64) -> Result<(), Error> {
         let (Some(first), Some(last)) = (self.points.first().copied(), self.points.last().copied()) else {
             return Ok(());
         };
@@ -125,7 +122,7 @@ impl Scan {
             Some(known) => known,
             None => Asymptotes::of(g, &zeros(g)?, first.rate, last.rate)?,
         };
-        let rates = asymptotes.frequencies_down_to(LEAST_GAIN, last);
+        let rates = asymptotes.frequencies_down_to(least_gain, last);
         self.asymptotes = Some(asymptotes);
         let more = self.evaluate(&rates);
         self.points.extend(more);

@@ -298,6 +298,12 @@ pub const DELAYED_POINTS: usize = 400_000;
 /// and the delay turns it without end.
 pub const LEAST_GAIN: f64 = 1e-3;
 
+/// The same of a loop that its delay turns too often to be followed so far: -40 dB, or -20 dB, beyond which no requirement on a margin goes.
+pub const LEAST_GAINS: [f64; 3] = [LEAST_GAIN, 1e-2, 1e-1];
+
+/// Share of the frequency of a crossing at which it is read off whether the gain rises there: the cube root of the unit roundoff.
+pub const CROSSING_SIDE: f64 = 1e-5;
+
 /// Phase in rad by which a delay may turn the response between two points before refinement.
 pub const DELAY_TURN: f64 = 0.5;
 
@@ -316,6 +322,12 @@ pub const UNCOUPLED: f64 = 1e-12;
 
 /// An entry that is below this share of what was summed to it is a zero.
 pub const CANCELLED: f64 = 1e-11;
+
+/// The same if another method must agree: some fifty roundings of the terms.
+pub const CANCELLED_TO_ROUNDING: f64 = 1e-14;
+
+/// A rounding of the data may move a zero by this share of itself if the eliminations alone find it: three digits of it are left after a few roundings.
+pub const DETERMINED_ZERO: f64 = 1e-3;
 
 // ---- zeros and poles ----
 

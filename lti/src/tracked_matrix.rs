@@ -1,7 +1,7 @@
 //! A matrix whose entries remember how large the numbers were that they were summed from: an entry that cancelled to
 //! rounding error is known to be zero, whatever the scale of its neighbours.
 
-use crate::tolerance::CANCELLED;
+use crate::tolerance::{CANCELLED, CANCELLED_TO_ROUNDING};
 use counterpoise_linalg::{self as linalg, Mat};
 
 #[derive(Debug, Clone)]
@@ -10,17 +10,26 @@ pub(crate) struct TrackedMatrix {
     pub value: Mat,
     /// The largest sums of magnitudes that made them.
     size: Mat,
+    /// The share of its size below which an entry counts as zero.
+    cancelled: f64,
+    /// `true` if an entry counted as zero that is more than the rounding of what it was summed from.
+    pub lost_more_than_rounding: bool,
 }
 
 impl TrackedMatrix {
     /// Takes data as they are given: nothing has cancelled yet.
     pub fn of(value: Mat) -> Self {
+        Self::with_share(value, CANCELLED)
+    }
+
+    /// Takes data of which sums below a share of their terms count as zero.
+    pub fn with_share(value: Mat, cancelled: f64) -> Self {
         let size = value.map(f64::abs);
-        Self { value, size }
+        Self { value, size, cancelled, lost_more_than_rounding: false }
     }
 
     pub fn select(&self, rows: &[usize], cols: &[usize]) -> Self {
-        Self { value: self.value.select(rows, cols), size: self.size.select(rows, cols) }
+        Self { value: self.value.select(rows, cols), size: self.size.select(rows, cols), ..*self }
     }
 
     /// Returns whether the whole column is zero.
@@ -30,12 +39,14 @@ impl TrackedMatrix {
 
     /// Returns the transpose.
     pub fn t(&self) -> Self {
-        Self { value: self.value.t(), size: self.size.t() }
+        Self { value: self.value.t(), size: self.size.t(), ..*self }
     }
 
     /// Returns the rows of `self` above those of `below`.
     pub fn vstack(&self, below: &Self) -> Self {
-        Self { value: self.value.vstack(&below.value), size: self.size.vstack(&below.size) }
+        let lost_more_than_rounding = self.lost_more_than_rounding || below.lost_more_than_rounding;
+        let (value, size) = (self.value.vstack(&below.value), self.size.vstack(&below.size));
+        Self { value, size, lost_more_than_rounding, ..*self }
     }
 
     /// Returns self + left right, entries that cancel set to zero.
@@ -47,7 +58,8 @@ impl TrackedMatrix {
     pub fn minus_product(&self, left: &Self, right: &Mat) -> Self {
         let value = &self.value - &(&left.value * right);
         let size = &self.size + &(&left.size * &right.map(f64::abs));
-        let mut found = Self { value, size };
+        let lost_more_than_rounding = self.lost_more_than_rounding || left.lost_more_than_rounding;
+        let mut found = Self { value, size, lost_more_than_rounding, ..*self };
         (0..found.value.ncols()).for_each(|j| found.clean(j));
         found
     }
@@ -70,7 +82,8 @@ impl TrackedMatrix {
 
     fn clean(&mut self, j: usize) {
         for (value, size) in self.value.column_mut(j).iter_mut().zip(self.size.column(j)) {
-            if value.abs() <= CANCELLED * size {
+            if value.abs() <= self.cancelled * size {
+                self.lost_more_than_rounding |= value.abs() > CANCELLED_TO_ROUNDING * size;
                 *value = 0.0;
             }
         }

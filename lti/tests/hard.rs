@@ -323,3 +323,81 @@ fn the_end_of_a_long_chain_of_lags_keeps_its_digits_when_sampled() {
         }
     }
 }
+
+#[test]
+fn a_far_zero_stays_as_long_as_the_data_determine_it() {
+    // 1/(s + 1) - (1 - e)/(s + 2) has the zero -(1 + e)/e; and with a third lag that sums to as little.
+    for decade in 3..=12 {
+        let c = -1.0 + 10f64.powi(-decade);
+        let e = 1.0 + c;
+        for bits in [0, 20, -33] {
+            let unit = f64::from(bits).exp2();
+            let (A, B) = (Mat::diag(&[-1.0, -2.0]), Mat::col(&[1.0, unit]));
+            let C = Mat::row(&[1.0, c / unit]);
+            let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+            let found = zeros(&g).unwrap();
+            assert_eq!(found.len(), 1, "{decade} {bits}");
+            assert!((found[0].re * -e / (1.0 + e) - 1.0).abs() < 1e-12, "{decade} {bits}: {}", found[0]);
+        }
+        // 1/(s + 1) + (e - 2)/(s + 2) + 1/(s + 3) has the numerator e s^2 + 4 e s + 2 + 3 e.
+        let g = StateSpace::new(
+            Mat::diag(&[-1.0, -2.0, -3.0]),
+            Mat::from_fn(3, 1, |_, _| 1.0),
+            Mat::row(&[1.0, e - 2.0, 1.0]),
+            Mat::zeros(1, 1),
+            Timebase::Continuous,
+        );
+        let found = zeros(&g.unwrap()).unwrap();
+        let e = (e - 2.0) + 2.0;
+        assert_eq!(found.len(), 2, "{decade}");
+        let exact = (2.0 + 3.0 * e) / e;
+        let (product, sum) = (found[0] * found[1], found[0] + found[1]);
+        // The data determine e to their rounding over it.
+        let errors = [product.re / exact - 1.0, sum.re / -4.0 - 1.0];
+        assert!(errors.iter().all(|error| error.abs() < 1e-14 / e), "{found:?}");
+    }
+}
+
+#[test]
+fn a_gain_of_one_at_all_frequencies_crosses_nothing_and_leaves_no_delay() {
+    let all_pass = |A: f64, B: f64, C: f64, D: f64, timebase| {
+        let of = |x: f64| Mat::from_rows(&[&[x]]);
+        StateSpace::new(of(A), of(B), of(C), of(D), timebase).unwrap()
+    };
+    let sampled = Timebase::Discrete { period_s: 1.0 };
+    let loops = [
+        all_pass(0.0, 1.0, 1.0, 0.0, sampled),
+        all_pass(-1.0, 1.0, -2.0, 1.0, Timebase::Continuous),
+        all_pass(-1e3, 1.0, -2e3, 1.0, Timebase::Continuous),
+        all_pass(0.5, 1.0, 0.75, -0.5, sampled),
+    ];
+    for g in loops {
+        let found = margins(&g).unwrap();
+        assert!(found.is_all_pass && found.phase.is_empty(), "{g:?}: {:?}", found.phase);
+        assert!(found.delay_s < 0.01, "{g:?}: {}", found.delay_s);
+    }
+    assert!(!margins(&zpk(&[], &[-1.0], 1.0)).unwrap().is_all_pass);
+}
+
+#[test]
+fn a_sampled_mode_that_is_inside_by_its_own_entry_has_a_finite_norm() {
+    for below in [1e-9, 1e-12, 1e-14, 1e-15, 5e-16] {
+        let a: f64 = 1.0 - below;
+        for coupling in [0.0, 0.3] {
+            let A = Mat::from_rows(&[&[a, 0.0], &[coupling, 0.25]]);
+            let (B, C) = (Mat::col(&[1.0, 0.0]), Mat::row(&[1.0, 0.0]));
+            let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Discrete { period_s: 1.0 }).unwrap();
+            let exact = 1.0 / ((1.0 - a) * (1.0 + a)).sqrt();
+            let found = h2norm(&g).unwrap();
+            assert!((found / exact - 1.0).abs() < 1e-12, "{below}: {found} {exact}");
+        }
+    }
+    let on = StateSpace::new(
+        Mat::diag(&[1.0, 0.5]),
+        Mat::col(&[1.0, 1.0]),
+        Mat::row(&[1.0, 1.0]),
+        Mat::zeros(1, 1),
+        Timebase::Discrete { period_s: 1.0 },
+    );
+    assert!(!h2norm(&on.unwrap()).unwrap().is_finite());
+}

@@ -34,6 +34,7 @@ pub mod modal_truncation;
 pub mod reduction;
 pub mod second_order;
 pub mod split;
+mod state_units;
 pub mod tolerance;
 pub mod weighted_balancing;
 

@@ -30,6 +30,17 @@ pub const CERTAIN_GAP: f64 = 1e8;
 /// States up to which such a staircase is computed again in 32 digits: that of the largest takes some hundred milliseconds.
 pub const PRECISE_STATES: usize = 32;
 
+/// Share of a unit's own square that is added to the least squares of the logarithms of the couplings, so that a free unit stays as it is: units 1e12 apart
+/// are then found to 1e-7 of their logarithm.
+pub const FREE_UNIT: f64 = 1e-9;
+
+/// A unit that does not shrink the norms of a state's row and column by this factor is not changed (B. Parlett and C. Reinsch, Numerische Mathematik
+/// 13, 1969).
+pub const UNIT_GAIN: f64 = 0.95;
+
+/// Sweeps over the units at most; three to ten are usual. Those that a chain of many states would go on with do not depend on the given units either.
+pub const UNIT_SWEEPS: usize = 60;
+
 // ---- pairs of values ----
 
 /// Values closer than this, relative, are a pair (a mode of damping 0.05 has two values so far apart).

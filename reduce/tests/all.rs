@@ -8,4 +8,7 @@ mod meaning;
 mod odd;
 mod odd_calls;
 mod properties;
+#[path = "../../linalg/tests/common/mod.rs"]
+mod random;
 mod rigid;
+mod units;

@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::boundary::Boundary;
 use crate::decomposition::csingular_values;
+use crate::error::ShortNumber;
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::eigenvalues;
 use crate::spectrum::Reach;
@@ -107,10 +108,11 @@ struct Eigenvalue(C64);
 
 impl fmt::Display for Eigenvalue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let part = |x: f64| ShortNumber(C64::new(x, 0.0));
         if self.0.im == 0.0 {
-            return write!(f, "{:.6}", self.0.re);
+            return part(self.0.re).fmt(f);
         }
-        write!(f, "{:.6} +/- {:.6}j", self.0.re, self.0.im.abs())
+        write!(f, "{} +/- {}j", part(self.0.re), part(self.0.im.abs()))
     }
 }
 

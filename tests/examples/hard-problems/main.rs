@@ -285,6 +285,7 @@ fn margins(problem: &Value) -> Answer {
     Ok(json!({
         "gain": gain, "phase": phase, "delay": found.delay_s, "ms": found.ms.value, "mt": found.mt.value,
         "alpha": found.disk.alpha, "stable": found.closed_loop_stable,
+        "all_pass": found.is_all_pass,
     }))
 }
 
@@ -344,6 +345,7 @@ fn delay_margins(problem: &Value) -> Answer {
     Ok(json!({
         "gain": gain, "phase": phase, "delay": found.margins.delay_s, "ms": found.margins.ms.value, "mt": found.margins.mt.value,
         "alpha": found.margins.disk.alpha, "unstable": found.unstable_poles,
+        "least_gain": found.least_gain,
     }))
 }
 
