@@ -49,7 +49,7 @@ pub(crate) fn sine(p: &Parameters, angle_rad: f64) -> f64 {
 }
 
 /// Sensors that are present and that a machine can do without.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RedundantSensors {
     /// `true` if the motor's rate was recorded.
     pub motor_rate: bool,

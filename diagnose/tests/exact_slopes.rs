@@ -7,7 +7,9 @@ use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, Rec
 use counterpoise_diagnose::simulator_access::{
     ChannelResidual, MechanismVariant, SimulatorAccess, Span, VariantDirection,
 };
-use counterpoise_models::{Parameters, Plant, reference};
+use counterpoise_models::{
+    LearnedElement, LearnedPlace, LearnedQuantity, Parameters, Plant, RegimeVariable, reference,
+};
 use counterpoise_simulate::replay::{ReplayLoop, START_FREEDOMS};
 use counterpoise_simulate::sensitivity::Side;
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
@@ -28,30 +30,58 @@ const CHANGES: [Change; 7] = [
     |variant, by| variant.shift[7] += by,
 ];
 
+/// Values of sensors' errors.
+const ERRORS: [Change; 4] = [
+    |variant, by| variant.parameters.learned[0].values[5] += 1e-4 * by,
+    |variant, by| variant.parameters.learned[1].values[4] += 1e-4 * by,
+    |variant, by| variant.parameters.learned[2].values[3] += 1e-2 * by,
+    |variant, by| variant.parameters.sensors.hub_gyro.gain *= 1.0 + 1e-3 * by,
+];
+
 #[test]
 fn exact_slopes_of_residuals_are_those_of_differences() {
-    let base = reference::rig();
+    compare(&reference::rig(), &CHANGES);
+}
+
+#[test]
+fn exact_slopes_hold_with_errors_of_the_sensors() {
+    let mut base = reference::rig();
+    let error = |place, variable, reach: f64, size: f64| {
+        let points: Vec<f64> = (-5..=5).map(|k| 0.2 * reach * f64::from(k)).collect();
+        let values = points.iter().map(|x| size * (4.0 * x / reach).sin()).collect();
+        let neutral = LearnedElement::neutral(place, LearnedQuantity::Error, variable, points);
+        LearnedElement { values, ..neutral }
+    };
+    base.learned = vec![
+        error(LearnedPlace::LoopSensor, RegimeVariable::Reading, 0.15, 5e-3),
+        error(LearnedPlace::LoopSensor, RegimeVariable::Angle, 0.1, 3e-3),
+        error(LearnedPlace::MotorTachometer, RegimeVariable::Reading, 25.0, 0.5),
+    ];
+    compare(&base, &ERRORS);
+}
+
+/// Compares derivatives along changes with differences, on a recording of the machine itself.
+fn compare(base: &Parameters, changes: &[Change]) {
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: 0.1, period_s: 1.6 },
         imperfections: Imperfections::NoiseAndQuantisation { seed: 5 },
         detail: Detail::Recording,
         ..Scenario::at_rest(4.0)
     };
-    let mut simulator = Simulator::new(&Plant::from_lumped(&base).unwrap()).unwrap();
+    let mut simulator = Simulator::new(&Plant::from_lumped(base).unwrap()).unwrap();
     let history = simulator.run(&mut controller(BIAS_V), &scenario).unwrap();
     let recordings = [history.readings.recording("triangle", 1e-3)];
-    let prepared = PreparedRecordings::new(&recordings, &base);
+    let prepared = PreparedRecordings::new(&recordings, base);
     let control = ReplayLoop::from(&controller(BIAS_V));
-    let replays = RecordingReplays::new(&base, &control, &prepared).unwrap();
-    let near = replays.assess(&base, 0).unwrap();
+    let replays = RecordingReplays::new(base, &control, &prepared).unwrap();
+    let near = replays.assess(base, 0).unwrap();
     let variant = |parameters: &Parameters| MechanismVariant {
         parameters: parameters.clone(),
         shift: [0.0; START_FREEDOMS],
     };
-    let members: Vec<_> = CHANGES
+    let members: Vec<_> = changes
         .iter()
         .map(|change| {
-            let base = &base;
             move |by: f64| {
                 let mut moved = variant(base);
                 change(&mut moved, by);
@@ -61,7 +91,7 @@ fn exact_slopes_of_residuals_are_those_of_differences() {
         .collect();
     let directions: Vec<VariantDirection> =
         members.iter().map(|member| VariantDirection { member, side: Side::Both }).collect();
-    let found = replays.residual_slopes(&variant(&base), &directions, 0, Span::Head, &near).unwrap();
+    let found = replays.residual_slopes(&variant(base), &directions, 0, Span::Head, &near).unwrap();
     for (k, member) in members.iter().enumerate() {
         let by = 0.3;
         let at = |by: f64| replays.residuals_of(&member(by), 0, Span::Head, &near).unwrap();

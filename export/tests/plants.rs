@@ -377,7 +377,7 @@ fn free_function(
         RegimeVariable::Load => 3000.0,
         RegimeVariable::Control => 8.0,
         _ if place == LearnedPlace::Gearbox => 2e-3,
-        _ if place == LearnedPlace::Motor => 20.0,
+        _ if matches!(place, LearnedPlace::Motor | LearnedPlace::MotorTachometer) => 20.0,
         _ => 0.15,
     };
     let share = |k: i32| f64::from(k - 10) / 10.0;
@@ -391,9 +391,11 @@ fn free_function(
 
 #[test]
 fn what_free_functions_add() {
-    use LearnedPlace::{Gearbox, Motor, Pivot};
-    use LearnedQuantity::{Damping, FrictionLevel, Stiffness, Torque, TorqueConstant};
-    use RegimeVariable::{Angle, Control, Load, Rate, Time, Turn};
+    use LearnedPlace::{
+        Gearbox, HubResolver, LoopSensor, Motor, MotorTachometer, Pivot, PlatformAccelerometer, PlatformGyro,
+    };
+    use LearnedQuantity::{Damping, Error, FrictionLevel, Stiffness, Torque, TorqueConstant};
+    use RegimeVariable::{Angle, Control, Load, Rate, Reading, Time, Turn};
     let bump = |x: f64| 1.0 + 0.4 * (-9.0 * x * x).exp();
     all_equal(&[
         machine("free friction and torque at the pivot", |p| {
@@ -409,6 +411,16 @@ fn what_free_functions_add() {
         machine("free functions of the gear", |p| {
             p.learned.push(free_function(Gearbox, Stiffness, Load, |x| 1.0 + 0.2 * x));
             p.learned.push(free_function(Gearbox, Damping, Rate, |x| 1.0 + x * x));
+        }),
+        machine("errors of the sensors", |p| {
+            p.learned.push(free_function(Pivot, Torque, Angle, |x| -40.0 * x));
+            p.learned
+                .push(free_function(LoopSensor, Error, Reading, |x| -(20.0 * x).clamp(-1.0, 1.0) * 5e-3));
+            p.learned.push(free_function(LoopSensor, Error, Time, |x| 2e-3 * x));
+            p.learned.push(free_function(MotorTachometer, Error, Turn, |x| (3.0 * x).sin()));
+            p.learned.push(free_function(HubResolver, Error, Reading, |x| 1e-3 * x * x));
+            p.learned.push(free_function(PlatformGyro, Error, Reading, |x| -0.01 * x));
+            p.learned.push(free_function(PlatformAccelerometer, Error, Reading, |x| 0.1 * x * x));
         }),
         machine("a constant free torque behind a rigid gear", |p| {
             (p.gearbox.stiffness_nm_rad, p.gearbox.backlash_rad) = (f64::INFINITY, 0.0);

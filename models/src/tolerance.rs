@@ -46,6 +46,11 @@ pub(crate) const PERIODIC_COPIES: usize = 10;
 /// Iterations on the equilibrium of a plant with free functions: those of an angle are settled by the first, those of load and
 /// control come nearer with each.
 pub(crate) const LEARNED_ITERATIONS: usize = 20;
+/// Iterations on what a sensor would have read without its errors: each adds the width of a dead band at most, so that a reading of 50 of them
+/// is still found.
+pub(crate) const READING_ITERATIONS: usize = 50;
+/// Relative change of that reading that is rounding.
+pub(crate) const READING_ROUNDING: f64 = 1e-14;
 
 // ---- structure ----
 

@@ -6,9 +6,10 @@ use crate::motion::MotionSample;
 use crate::noise::Noise;
 use crate::sampling_errors::{DRIFT_STREAM, DriftNoise, SURGE_STREAM, is_missing};
 use counterpoise_controller::Readings;
-use counterpoise_models::plant::SinCos;
+use counterpoise_models::plant::{SensorErrors, SensorRegime, SinCos};
 use counterpoise_models::{
-    AccelerometerAxis, CONVERTER_RANGE_V, Interface, Parameters, Sensor, Sensors, converter_step_v,
+    AccelerometerAxis, CONVERTER_RANGE_V, Interface, LearnedPlace, Parameters, Sensor, Sensors,
+    converter_step_v,
 };
 
 /// Imperfections of the sensors and converters that are simulated. Their dynamics, gains, biases and delays always are.
@@ -65,13 +66,17 @@ impl Converter {
     }
 }
 
-/// The instant at which a sensor is read, and its noise.
+/// The instant at which a sensor is read, its noise, and what its errors depend on beside the reading.
 #[derive(Debug, Clone, Copy)]
 struct Instant {
     /// Noise of unit variance.
     noise: f64,
     /// Distance from the instant of an ideal clock, in periods.
     offset: f64,
+    /// Angle of the hub on the platform, rad.
+    hub_angle_rad: f64,
+    /// Time since the start, s.
+    time_s: f64,
 }
 
 /// One sensor from the filtered truth to the reading.
@@ -86,6 +91,8 @@ struct Chain {
     /// The value at the sample before; `None` before the first.
     before: Option<f64>,
     drift: Option<DriftNoise>,
+    /// Errors that free functions give.
+    errors: Option<Box<SensorErrors>>,
     /// Samples between two readings of its own, and the reading that is held between them.
     held: Option<HeldReading>,
 }
@@ -127,8 +134,14 @@ impl Chain {
             slope_before: 0.0,
             before: None,
             drift,
+            errors: None,
             held: (every > 1).then_some(HeldReading { every, sample: 0, reading: 0.0 }),
         }
+    }
+
+    /// Returns the same with the errors that a machine's free functions give the sensor at a place.
+    fn with_errors(self, parameters: &Parameters, place: LearnedPlace) -> Self {
+        Self { errors: SensorErrors::of(parameters, place).map(Box::new), ..self }
     }
 
     /// Returns the value at a fraction of a period after the sample instant, from this one and the one before.
@@ -140,7 +153,11 @@ impl Chain {
     /// Returns the reading for a filtered truth and a filtered heave.
     fn read(&mut self, truth: f64, heave: f64, at: Instant) -> f64 {
         let sensor = &self.sensor;
-        let value = sensor.gain * truth + sensor.bias + sensor.g_sensitivity * heave;
+        let mut value = sensor.gain * truth + sensor.bias + sensor.g_sensitivity * heave;
+        if let Some(errors) = &self.errors {
+            let Instant { hub_angle_rad, time_s, .. } = at;
+            value += errors.at(&SensorRegime { reading: value, hub_angle_rad, time_s });
+        }
         let (scale, spread, resolution) = (sensor.scale_v_unit, sensor.noise_rms, sensor.resolution);
         let value = self.at_offset(value, at.offset);
         let mut delayed = self.delay_value(value) + spread * at.noise;
@@ -241,6 +258,9 @@ pub(crate) struct Sensing {
     tachometer: Option<Chain>,
     resolver: Option<Chain>,
     surge: Option<Surge>,
+    period_s: f64,
+    /// Samples that were read.
+    samples: usize,
 }
 
 /// The accelerometer of surge with its own noise.
@@ -253,21 +273,35 @@ struct Surge {
 impl Sensing {
     pub fn new(parameters: &Parameters, imperfections: Imperfections) -> Self {
         let sensors = &parameters.sensors;
-        let chain = |sensor: &Sensor, place| Chain::new(sensor, &parameters.interface, imperfections, place);
+        let chain = |sensor: &Sensor, stream, place| {
+            Chain::new(sensor, &parameters.interface, imperfections, stream).with_errors(parameters, place)
+        };
         let driven = |sensor: &Sensor, place| PlatformSensor::new(sensor, parameters, imperfections, place);
+        let with_errors = |sensor: PlatformSensor, place| PlatformSensor {
+            chain: sensor.chain.clone().with_errors(parameters, place),
+            ..sensor
+        };
         let noise = match imperfections {
             Imperfections::NoiseAndQuantisation { seed } => Some(Noise::new(seed)),
             _ => None,
         };
         Self {
             noise,
-            hub_gyro: chain(&sensors.hub_gyro, 0),
+            hub_gyro: chain(&sensors.hub_gyro, 0, LearnedPlace::LoopSensor),
             hub_heave: driven(&sensors.hub_gyro, 0),
-            platform_gyro: driven(&sensors.platform_gyro, 1),
-            accelerometer: driven(&sensors.platform_accelerometer, 2),
+            platform_gyro: with_errors(driven(&sensors.platform_gyro, 1), LearnedPlace::PlatformGyro),
+            accelerometer: with_errors(
+                driven(&sensors.platform_accelerometer, 2),
+                LearnedPlace::PlatformAccelerometer,
+            ),
             mounted: AccelerometerMounting::of(sensors, parameters.gravity_m_s2),
-            tachometer: sensors.motor_tachometer.as_ref().map(|sensor| chain(sensor, 3)),
-            resolver: sensors.hub_resolver.as_ref().map(|sensor| chain(sensor, 4)),
+            tachometer: sensors
+                .motor_tachometer
+                .as_ref()
+                .map(|sensor| chain(sensor, 3, LearnedPlace::MotorTachometer)),
+            resolver: sensors.hub_resolver.as_ref().map(|sensor| chain(sensor, 4, LearnedPlace::HubResolver)),
+            period_s: parameters.interface.sample_period_s,
+            samples: 0,
             surge: sensors.surge_accelerometer.as_ref().map(|sensor| Surge {
                 sensor: driven(sensor, 5),
                 noise: match imperfections {
@@ -300,7 +334,12 @@ impl Sensing {
 
     /// Returns the readings at an offset, in periods, from a sample instant; the demand is left at 0.
     pub fn read(&mut self, truth: &Truth, offset: f64) -> Readings {
-        let noise = [0; 5].map(|_| Instant { noise: self.noise.as_mut().map_or(0.0, Noise::next), offset });
+        let (hub_angle_rad, time_s) = (truth.hub_position, self.samples as f64 * self.period_s);
+        self.samples += 1;
+        let noise = [0; 5].map(|_| {
+            let noise = self.noise.as_mut().map_or(0.0, Noise::next);
+            Instant { noise, offset, hub_angle_rad, time_s }
+        });
         let gyro = &mut self.platform_gyro;
         let accelerometer = &mut self.accelerometer;
         Readings {
@@ -352,7 +391,8 @@ impl Sensing {
 
 impl Surge {
     fn read(&mut self, offset: f64) -> f64 {
-        let at = Instant { noise: self.noise.as_mut().map_or(0.0, Noise::next), offset };
+        let noise = self.noise.as_mut().map_or(0.0, Noise::next);
+        let at = Instant { noise, offset, hub_angle_rad: 0.0, time_s: 0.0 };
         self.sensor.chain.read(self.sensor.state[0], 0.0, at)
     }
 }

@@ -97,7 +97,7 @@ pub struct Pattern {
 pub struct NearestEffect {
     /// Name.
     pub name: Name,
-    /// Share of the distance from the noise floor that it explains, 0 to 1.
+    /// Share of the residual's power that it removes on held-out data, 0 to 1.
     pub share: f64,
 }
 
@@ -199,6 +199,28 @@ pub enum NextExperiment {
     },
     /// Slow travel and a multisine at several amplitudes: they separate what depends on position, on rate and on amplitude.
     TravelAndMultisine,
+    /// The comparison of a sensor that may err with another one of the same motion.
+    Comparison {
+        /// The sensor.
+        sensor: Component,
+    },
+}
+
+impl NextExperiment {
+    /// Returns the experiment that would say more of an effect without a name, by where it was located.
+    pub(crate) fn of_unknown(findings: &[Finding]) -> Self {
+        let unknown = findings.iter().find(|finding| finding.effect == EffectName::Unknown);
+        match unknown.map(|finding| finding.component) {
+            Some(
+                sensor @ (Component::HubGyro
+                | Component::PlatformGyro
+                | Component::PlatformAccelerometer
+                | Component::MotorTachometer
+                | Component::HubResolver),
+            ) => Self::Comparison { sensor },
+            _ => Self::TravelAndMultisine,
+        }
+    }
 }
 
 /// A warning about the search itself.
@@ -283,6 +305,12 @@ impl Answer {
         self.fit.held_out_after.clone_from(&learned.held_out_after);
         for finding in self.findings.iter_mut().filter(|f| f.effect == EffectName::Unknown) {
             finding.relocate(&learned);
+        }
+        if matches!(
+            self.next_experiment,
+            Some(NextExperiment::TravelAndMultisine | NextExperiment::Comparison { .. })
+        ) {
+            self.next_experiment = Some(NextExperiment::of_unknown(&self.findings));
         }
         self.learned = Some(learned);
         self

@@ -121,10 +121,23 @@ impl SimilarityScale {
         let at_motor = element.place == LearnedPlace::Motor;
         let torque = if at_motor { self.torque / self.ratio } else { self.torque };
         let turns = if at_motor { self.ratio } else { 1.0 };
+        if element.place.is_sensor() {
+            let by = match element.place {
+                LearnedPlace::LoopSensor => self.reading(element.measured),
+                LearnedPlace::MotorTachometer => self.ratio,
+                _ => 1.0,
+            };
+            let values = element.values.iter_mut().chain(&mut element.half_width);
+            let points = element.points.iter_mut().filter(|_| element.variable == RegimeVariable::Reading);
+            return values.chain(points).for_each(|number| *number *= by);
+        }
         let along = match element.variable {
             RegimeVariable::Load => torque,
             RegimeVariable::Angle | RegimeVariable::Rate => turns,
-            RegimeVariable::Turn | RegimeVariable::Control | RegimeVariable::Time => 1.0,
+            RegimeVariable::Turn
+            | RegimeVariable::Control
+            | RegimeVariable::Time
+            | RegimeVariable::Reading => 1.0,
         };
         element.points.iter_mut().for_each(|point| *point *= along);
         if !element.quantity.is_factor() {

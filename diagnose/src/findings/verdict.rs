@@ -6,7 +6,7 @@ use crate::findings::answer::{
 };
 use crate::findings::channel_fits::fits_by_channel;
 use crate::fitting::output_error::{confidence_intervals, parameters_of};
-use crate::fitting::score::score_parts;
+use crate::fitting::score::{RecordingPart, score_parts};
 use crate::library::{Component, Effect, EffectName, EffectParameter};
 use crate::localisation::error_hypotheses::COMPONENTS;
 use crate::localisation::error_map::{MapCell, rank_components};
@@ -21,7 +21,7 @@ use crate::simulator_access::SimulatorAccess;
 use crate::tolerance::findings::{EXCITED_MULTIPLE, LEAST_DISTANCE, LEAST_INFORMATION};
 use crate::tolerance::findings::{LARGEST_REPORTED_MULTIPLE, SMALL_TRAVEL_RAD, WHOLE_SAMPLES};
 use crate::tolerance::{
-    AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_TEXTBOOK, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN,
+    AMBIGUOUS, EXPLAINED, FITTED_SHARE, GAIN_NEEDED, RIGHT_OF_TEXTBOOK, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN,
     RIGHT_WHERE_EXPLAINED, RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
 };
 use counterpoise_models::{AxisKind, Parameters};
@@ -245,11 +245,13 @@ impl VerdictEvidence<'_> {
         let places = rank_components(&self.map);
         let (component, others) =
             places.split_first().map_or((Component::Unknown, &[][..]), |(first, others)| (*first, others));
-        let best = self.search.stages.first().and_then(|s| s.candidates.first());
-        let nearest = best.and_then(|c| {
+        let tried = self.search.stages.first().map_or(&[][..], |s| &s.candidates);
+        let left = FittedCandidate::held_out_power_share;
+        let alone = tried.iter().filter(|c| c.fit.effects.len() == 1);
+        let nearest = alone.min_by(|a, b| left(a).total_cmp(&left(b))).and_then(|c| {
             let effect = c.newest_effect()?;
             let name = Name { effect: effect.effect, component: effect.component };
-            Some(NearestEffect { name, share: self.share(c) })
+            Some(NearestEffect { name, share: 1.0 - left(c) })
         });
         let unknown = |component: &Component| Name { effect: EffectName::Unknown, component: *component };
         Finding {
@@ -284,10 +286,16 @@ impl VerdictEvidence<'_> {
     fn fit_table(&self) -> FitTable {
         let before = fits_by_channel(&self.search.baseline.score);
         let Some(accepted) = self.named_model() else {
+            // the model is what it was: of held-out data it leaves what it left before
+            let fitted = &self.search.baseline.fitted;
+            let parts: Vec<RecordingPart> = (0..fitted.len())
+                .map(|recording| RecordingPart { recording, from: FITTED_SHARE, to: 1.0 })
+                .collect();
+            let held_out = score_parts(fitted, &parts).as_ref().map(fits_by_channel).unwrap_or_default();
             return FitTable {
                 after: before.clone(),
-                held_out_before: before.clone(),
-                held_out_after: before.clone(),
+                held_out_before: held_out.clone(),
+                held_out_after: held_out,
                 before,
             };
         };
@@ -301,7 +309,7 @@ impl VerdictEvidence<'_> {
     }
 
     fn hypotheses(&self) -> Vec<Hypothesis> {
-        let accepted = self.search.accepted.as_ref();
+        let accepted = self.named_model();
         let named = |e: &Effect| accepted.is_some_and(|a| a.fit.effects.iter().any(|f| same_name(f, e)));
         let stages = self.search.stages.iter().enumerate();
         stages
@@ -332,7 +340,7 @@ impl VerdictEvidence<'_> {
                 Some(NextExperiment::Separate { found: finding.name(), alternative: finding.alternatives[0] })
             }
             (DiagnosisVerdict::Unknown | DiagnosisVerdict::Incomplete, None) => {
-                Some(NextExperiment::TravelAndMultisine)
+                Some(NextExperiment::of_unknown(findings))
             }
             _ => None,
         }

@@ -146,9 +146,8 @@ impl FittedFunctions {
             let here = self.learned.tried.iter().filter(|tried| tried.place == place);
             here.map(|tried| tried.log_likelihood_gain).fold(f64::NEG_INFINITY, f64::max)
         };
-        let others = [LearnedPlace::Pivot, LearnedPlace::Motor, LearnedPlace::Gearbox];
         let weight = |place: LearnedPlace| (RIVAL_DECAY * (best(place) - best(own)).min(0.0)).exp();
-        let rivals: f64 = others.into_iter().filter(|place| *place != own).map(weight).sum();
+        let rivals: f64 = LearnedPlace::ALL.into_iter().filter(|place| *place != own).map(weight).sum();
         1.0 / (1.0 + rivals)
     }
 
@@ -229,7 +228,13 @@ impl LearningTask<'_> {
 
     fn context<'c>(&'c self, base: &'c Parameters) -> TemplateContext<'c> {
         let motor_turns = self.searcher.sizes.motor_turns;
-        TemplateContext { base, visited: self.visited, map: self.map, motor_turns }
+        TemplateContext {
+            base,
+            visited: self.visited,
+            map: self.map,
+            components: self.components,
+            motor_turns,
+        }
     }
 
     /// Returns the templates that promise most on held-out stretches.

@@ -21,9 +21,9 @@ struct LibraryForm {
 
 /// Returns the effects of the library that a curve may be.
 fn library_forms(element: &LearnedElement, reading: &CurveReading, base: &Parameters) -> Vec<LibraryForm> {
-    use LearnedPlace::{Motor, Pivot};
-    use LearnedQuantity::{FrictionLevel, Torque, TorqueConstant};
-    use RegimeVariable::{Angle, Load, Rate, Time, Turn};
+    use LearnedPlace::{LoopSensor, Motor, Pivot};
+    use LearnedQuantity::{Error, FrictionLevel, Torque, TorqueConstant};
+    use RegimeVariable::{Angle, Load, Rate, Reading, Time, Turn};
     let of = |name: &str| reading.value(name);
     let ripple = || vec![of("amplitude").abs(), of("order"), of("phase")];
     let level = if of("level").abs() > f64::MIN_POSITIVE { of("level") } else { 1.0 };
@@ -64,6 +64,14 @@ fn library_forms(element: &LearnedElement, reading: &CurveReading, base: &Parame
             EffectName::TorqueConstant,
             vec![base.motor.torque_constant_nm_a * of("level")],
         )),
+        (LoopSensor, Error, Reading, CurveForm::Linear) => Some((
+            Component::HubGyro,
+            EffectName::Scale,
+            vec![base.sensors.hub_gyro.gain * (1.0 + of("slope"))],
+        )),
+        (LoopSensor, Error, _, CurveForm::Constant) => {
+            Some((Component::HubGyro, EffectName::Bias, vec![base.sensors.hub_gyro.bias + of("level")]))
+        }
         _ => None,
     };
     let Some((component, name, start)) = found else { return Vec::new() };

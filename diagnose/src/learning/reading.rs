@@ -8,7 +8,8 @@ use crate::tolerance::identification::NORMAL_95;
 use crate::tolerance::learning::FLAT_CURVE;
 use crate::tolerance::learning::FORM_RIDGE;
 use crate::tolerance::learning::{
-    BAND_FLOOR, FORM_GRID, FORM_SLOPE_STEP, ORDERS_AT_MOST, READ_FROM_COVERAGE, READ_SHARE, SMALLEST_WIDTH,
+    BAND_FLOOR, FORM_GRID, FORM_SLOPE_STEP, ORDERS_AT_MOST, READ_FROM_COVERAGE, READ_SHARE,
+    SMALLEST_DEAD_BAND, SMALLEST_WIDTH,
 };
 
 /// A simple form of a curve over a variable x.
@@ -22,6 +23,8 @@ pub enum CurveForm {
     Sign,
     /// level + slope x beyond a distance, 0 within it.
     DeadZone,
+    /// level + slope x within a distance, constant beyond it.
+    DeadBand,
     /// level + slope x + bend x^2.
     Quadratic,
     /// level + slope x + cubic x^3.
@@ -170,6 +173,15 @@ impl FittedForm {
         moved(step).iter().zip(moved(-step)).map(|(above, below)| (above - below) / (2.0 * step)).collect()
     }
 
+    /// Returns where it has corners.
+    pub fn corners(&self) -> Vec<f64> {
+        match (self.form, self.inner.as_slice()) {
+            (CurveForm::DeadZone | CurveForm::DeadBand, [distance, ..]) => vec![-distance, *distance],
+            (CurveForm::Saturation, [centre, width, ..]) => vec![centre - width, centre + width],
+            _ => Vec::new(),
+        }
+    }
+
     /// Returns its values over some points.
     pub fn values(&self, points: &[f64]) -> Vec<f64> {
         let at =
@@ -185,6 +197,16 @@ fn forms_over(variable: RegimeVariable) -> &'static [CurveForm] {
         RegimeVariable::Time => {
             &[CurveForm::Linear, CurveForm::ExponentialApproach, CurveForm::Sine, CurveForm::Quadratic]
         }
+        RegimeVariable::Reading => &[
+            CurveForm::Linear,
+            CurveForm::DeadBand,
+            CurveForm::DeadZone,
+            CurveForm::Quadratic,
+            CurveForm::Cubic,
+            CurveForm::Saturation,
+            CurveForm::Sine,
+            CurveForm::Bump,
+        ],
         _ => &[
             CurveForm::Linear,
             CurveForm::Sign,
@@ -237,18 +259,23 @@ impl Curve {
 
     /// Returns a form fitted to the curve: its inner parameters by a grid that is refined twice, the others by least squares.
     fn fit_best_form(&self, form: CurveForm) -> Option<FittedForm> {
-        let mut grids: Vec<[f64; 2]> = self.inner_ranges(form);
+        // a dead band may be of any size: its grid is even in the logarithm
+        let is_log = form == CurveForm::DeadBand;
+        let to = |x: f64| if is_log { x.ln() } else { x };
+        let back = |x: f64| if is_log { x.exp() } else { x };
+        let ranges = self.inner_ranges(form).into_iter();
+        let mut grids: Vec<[f64; 2]> = ranges.map(|range| range.map(to)).collect();
         let mut best: Option<FittedForm> = None;
         for _ in 0..if grids.is_empty() { 1 } else { 3 } {
             for inner in points_of(&grids) {
-                let found = self.fit_form(form, inner);
+                let found = self.fit_form(form, inner.into_iter().map(back).collect());
                 best = match (best, found) {
                     (Some(old), Some(new)) if old.squares <= new.squares => Some(old),
                     (old, new) => new.or(old),
                 };
             }
             let at = &best.as_ref()?.inner;
-            for (grid, value) in grids.iter_mut().zip(at) {
+            for (grid, value) in grids.iter_mut().zip(at.iter().map(|value| to(*value))) {
                 let reach = 1.5 * (grid[1] - grid[0]) / FORM_GRID as f64;
                 *grid = [(value - reach).max(grid[0]), (value + reach).min(grid[1])];
             }
@@ -268,6 +295,7 @@ impl Curve {
             | CurveForm::Quadratic
             | CurveForm::Cubic => Vec::new(),
             CurveForm::DeadZone => vec![[0.02 * reach, 0.9 * reach]],
+            CurveForm::DeadBand => vec![[SMALLEST_DEAD_BAND * reach, 0.9 * reach]],
             CurveForm::Saturation | CurveForm::Bump => vec![[self.low, self.high], widths],
             CurveForm::ExponentialApproach => vec![widths],
             CurveForm::Sine => vec![[std::f64::consts::TAU * 0.75 / range, self.fastest_sine()]],
@@ -333,7 +361,9 @@ impl Curve {
             CurveForm::Constant => vec![level],
             CurveForm::Linear => vec![level, linear("slope", 1)],
             CurveForm::Sign => vec![level, linear("step", 1)],
-            CurveForm::DeadZone => vec![level, linear("slope", 1), inner("distance", 0)],
+            CurveForm::DeadZone | CurveForm::DeadBand => {
+                vec![level, linear("slope", 1), inner("distance", 0)]
+            }
             CurveForm::Quadratic => vec![level, linear("slope", 1), linear("bend", 2)],
             CurveForm::Cubic => vec![level, linear("slope", 1), linear("cubic", 2)],
             CurveForm::Saturation => vec![level, linear("rise", 1), inner("centre", 0), inner("width", 1)],
@@ -358,6 +388,7 @@ fn terms(form: CurveForm, inner: &[f64], x: f64) -> Vec<f64> {
         CurveForm::Linear => vec![1.0, x],
         CurveForm::Sign => vec![1.0, if x == 0.0 { 0.0 } else { x.signum() }],
         CurveForm::DeadZone => vec![1.0, (x.abs() - inner[0]).max(0.0) * x.signum()],
+        CurveForm::DeadBand => vec![1.0, x.clamp(-inner[0], inner[0])],
         CurveForm::Quadratic => vec![1.0, x, x * x],
         CurveForm::Cubic => vec![1.0, x, x * x * x],
         CurveForm::Saturation => vec![1.0, ((x - inner[0]) / inner[1]).clamp(-1.0, 1.0)],

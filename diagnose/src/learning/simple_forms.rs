@@ -6,15 +6,18 @@
 use std::f64::consts::TAU;
 
 use counterpoise_linalg::inverse;
-use counterpoise_models::{LearnedElement, RegimeVariable};
+use counterpoise_models::{Interpolation, LearnedElement, RegimeVariable};
 
 use crate::fitting::output_error::{EffectFit, FitSelection};
 use crate::learning::learner::{DataSplit, FittedFunctions, LearningTask};
 use crate::learning::reading::{CurveForm, FittedForm, nearest_forms, nearest_of_form};
+use crate::learning::templates::place_points;
 use crate::library::{Effect, learned_element, learned_values_in, make_form_effect};
 use crate::selection::candidate::FittedCandidate;
 use crate::tolerance::identification::NORMAL_95;
-use crate::tolerance::learning::{FACTOR_BOUNDS, FORM_CONTINUATION, FORM_POINTS, FORM_ROUNDS, FORMS_FITTED};
+use crate::tolerance::learning::{
+    FACTOR_BOUNDS, FORM_CONTINUATION, FORM_POINTS, FORM_ROUNDS, FORMS_FITTED, SAME_POINT,
+};
 use crate::tolerance::{AMBIGUOUS, FIT_STEP, PARAMETER_PRICE, SEARCH_ITERATIONS};
 
 /// A form as an effect with values from which its fit starts.
@@ -92,7 +95,7 @@ impl LearningTask<'_> {
         let (kind, mut form) = (form.form, form);
         let mut best: Option<FittedCandidate> = None;
         for _ in 0..rounds {
-            let table = form_table(curve);
+            let table = form_table(curve, &form);
             let start = form_start(&form, &table, step)?;
             let element = learned_element(start.effect)?;
             let near = best.as_ref().unwrap_or(near);
@@ -127,18 +130,33 @@ fn makes_sense(found: &FittedCandidate) -> bool {
     !element.quantity.is_factor() || values.iter().all(|value| (low..=high).contains(value))
 }
 
-/// Returns the table of a form: over the turn, or over what the recordings visit and half as much again at either end, of time at the later one.
-fn form_table(curve: &LearnedElement) -> LearnedElement {
+/// Returns the table of a form: over the turn, or over what the recordings visit and half as much again at either end, of time at the later one;
+/// with points at the corners of the form if it goes in straight lines from point to point.
+fn form_table(curve: &LearnedElement, form: &FittedForm) -> LearnedElement {
     let (first, last) = (curve.points[0], curve.points[curve.points.len() - 1]);
     let (low, high) = match curve.variable {
         RegimeVariable::Turn => (0.0, TAU * (1.0 - 1.0 / FORM_POINTS as f64)),
         RegimeVariable::Time => (first, last + FORM_CONTINUATION * (last - first)),
         _ => (first - FORM_CONTINUATION * (last - first), last + FORM_CONTINUATION * (last - first)),
     };
-    let at = |k: usize| low + (high - low) * k as f64 / (FORM_POINTS - 1) as f64;
-    let points: Vec<f64> = (0..FORM_POINTS).map(at).collect();
-    let values = vec![curve.quantity.neutral(); FORM_POINTS];
+    let mut points = place_points(curve.variable, [low, high], FORM_POINTS);
+    if curve.interpolation == Interpolation::Linear {
+        add_corners(&mut points, &form.corners());
+    }
+    let values = vec![curve.quantity.neutral(); points.len()];
     LearnedElement { values, half_width: Vec::new(), coverage: Vec::new(), points, ..curve.clone() }
+}
+
+/// Adds corners to points, in the place of those that are hardly apart from one.
+fn add_corners(points: &mut Vec<f64>, corners: &[f64]) {
+    let (first, last) = (points[0], points[points.len() - 1]);
+    let near = SAME_POINT * (last - first);
+    let within = corners.iter().filter(|corner| (first + near..last - near).contains(*corner));
+    for corner in within {
+        points.retain(|point| (point - corner).abs() > near);
+        points.push(*corner);
+    }
+    points.sort_by(f64::total_cmp);
 }
 
 /// Returns the effect of a form over a table, and the coefficients at which it is what it is.

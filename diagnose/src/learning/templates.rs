@@ -2,20 +2,24 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable};
+use counterpoise_models::{
+    Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable,
+};
 
 use crate::learning::visited_ranges::VisitedRanges;
-use crate::library::{Component, Effect, make_learned_effect};
+use crate::library::{Component, Effect, component_of, make_learned_effect};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::error_map::MapCell;
 use crate::localisation::trend::{Repetition, Trend};
 use crate::tolerance::learning::{
-    FACTOR_STEP, LEAST_TURNS, POINTS_A_PERIOD, TIME_POINTS_AT_MOST, TORQUE_STEP,
+    ERROR_STEP, FACTOR_STEP, LEAST_TURNS, POINTS_A_PERIOD, TIME_POINTS_AT_MOST, TORQUE_STEP, ZOOM,
 };
 
-use LearnedPlace::{Gearbox, Motor, Pivot};
-use LearnedQuantity::{Damping, FrictionLevel, Stiffness, Torque, TorqueConstant};
-use RegimeVariable::{Angle, Control, Load, Rate, Time, Turn};
+use LearnedPlace::{
+    Gearbox, HubResolver, LoopSensor, Motor, MotorTachometer, Pivot, PlatformAccelerometer, PlatformGyro,
+};
+use LearnedQuantity::{Damping, Error, FrictionLevel, Stiffness, Torque, TorqueConstant};
+use RegimeVariable::{Angle, Control, Load, Rate, Reading, Time, Turn};
 
 /// A free function to be tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,8 +31,8 @@ pub(crate) struct Template {
 
 /// All that are tried. A torque over the motor's angle beyond one turn is one over the hub's angle. A factor over one variable on a torque
 /// that is proportional to another is a function of both: damping over the angle is a torque over angle and rate, a torque constant over the
-/// angle is one over elevation and torque.
-const TEMPLATES: [Template; 19] = [
+/// angle is one over elevation and torque. Sensors that are not in the loop are tried where the localisation points at them.
+const TEMPLATES: [Template; 26] = [
     Template { place: Pivot, quantity: Damping, variable: Angle },
     Template { place: Pivot, quantity: FrictionLevel, variable: Angle },
     Template { place: Pivot, quantity: FrictionLevel, variable: Load },
@@ -48,6 +52,13 @@ const TEMPLATES: [Template; 19] = [
     Template { place: Motor, quantity: TorqueConstant, variable: Time },
     Template { place: Motor, quantity: TorqueConstant, variable: Turn },
     Template { place: Gearbox, quantity: Stiffness, variable: Load },
+    Template { place: LoopSensor, quantity: Error, variable: Reading },
+    Template { place: LoopSensor, quantity: Error, variable: Angle },
+    Template { place: LoopSensor, quantity: Error, variable: Time },
+    Template { place: MotorTachometer, quantity: Error, variable: Reading },
+    Template { place: HubResolver, quantity: Error, variable: Reading },
+    Template { place: PlatformGyro, quantity: Error, variable: Reading },
+    Template { place: PlatformAccelerometer, quantity: Error, variable: Reading },
 ];
 /// Points over a turn of the motor, as a multiple of those over a range: cogging has many periods.
 const TURN_POINTS: usize = 2;
@@ -62,6 +73,8 @@ pub(crate) struct TemplateContext<'a> {
     pub visited: &'a VisitedRanges,
     /// The localisation.
     pub map: &'a [MapCell],
+    /// The components at which an error explains most.
+    pub components: &'a [Component],
     /// Turns of the motor, as the model counts them, per turn of the machine's own motor.
     pub motor_turns: f64,
 }
@@ -78,9 +91,26 @@ impl TemplateContext<'_> {
             let of_gear = t.place == Gearbox || t.variable == Load;
             let turns = t.variable != Turn || self.repeats(t.place);
             let damped = t.quantity != Damping || self.base.pivot_friction.viscous_nm_s_rad > 0.0;
-            !(of_gear && rigid) && turns && damped && (t.quantity != FrictionLevel || slides(t.place))
+            self.has_place(t.place)
+                && !(of_gear && rigid)
+                && turns
+                && damped
+                && (t.quantity != FrictionLevel || slides(t.place))
         };
         TEMPLATES.iter().filter(allowed).copied().collect()
+    }
+
+    /// Returns whether the machine has a place; a sensor was recorded, too, and is the loop's or one that was located.
+    fn has_place(&self, place: LearnedPlace) -> bool {
+        let sensors = &self.base.sensors;
+        let fitted = match place {
+            MotorTachometer => sensors.motor_tachometer.is_some(),
+            HubResolver => sensors.hub_resolver.is_some(),
+            PlatformGyro => sensors.platform_gyro.is_fitted(),
+            PlatformAccelerometer => sensors.platform_accelerometer.is_fitted(),
+            _ => return true,
+        };
+        fitted && self.visited.has_recorded(place) && self.components.contains(&component_of(place))
     }
 
     /// Returns whether a turn at a place is a turn of the machine's own joint, and the recordings show it repeat.
@@ -103,9 +133,14 @@ impl TemplateContext<'_> {
         } else {
             let [low, high] = self.visited.range(place, variable)?;
             let count = if variable == Time { self.time_points(high - low, count) } else { count };
-            (0..count).map(|k| low + (high - low) * k as f64 / (count - 1) as f64).collect()
+            place_points(variable, [low, high], count)
         };
-        Some(LearnedElement::neutral(place, quantity, variable, points))
+        // an error of a sensor has corners
+        let interpolation =
+            if variable == Reading { Interpolation::Linear } else { Interpolation::default() };
+        let measured = self.base.sensors.measured;
+        let neutral = LearnedElement::neutral(place, quantity, variable, points);
+        Some(LearnedElement { interpolation, measured, ..neutral })
     }
 
     /// Returns how many points a function of time needs: more if the mismatch repeats in time.
@@ -125,6 +160,7 @@ impl TemplateContext<'_> {
     pub fn effect(&self, element: &LearnedElement) -> &'static Effect {
         let at_hub = TORQUE_STEP * self.visited.drive_torque_nm;
         let step = match (element.quantity.is_factor(), element.place) {
+            _ if element.quantity == Error => ERROR_STEP * self.visited.reading_rms(element.place),
             (true, _) => FACTOR_STEP,
             (false, Motor) => at_hub / self.base.gearbox.ratio,
             (false, _) => at_hub,
@@ -133,11 +169,25 @@ impl TemplateContext<'_> {
     }
 }
 
+/// Returns points over a range: evenly, but those over a reading closer together towards zero, where a sensor errs most for its reading.
+pub(crate) fn place_points(variable: RegimeVariable, [low, high]: [f64; 2], count: usize) -> Vec<f64> {
+    let share = |k: usize| k as f64 / (count - 1) as f64;
+    let zoomed = |at: f64| at * (ZOOM + (1.0 - ZOOM) * at * at);
+    match variable == Reading && low < 0.0 && high > 0.0 {
+        true => {
+            let size = high.max(-low);
+            let all = (0..count).map(|k| size * zoomed(2.0 * share(k) - 1.0));
+            all.map(|at| if at < 0.0 { at * -low / size } else { at * high / size }).collect()
+        }
+        false => (0..count).map(|k| low + (high - low) * share(k)).collect(),
+    }
+}
+
 /// Returns the components at which an error explains most and that a place belongs to.
 pub(crate) fn is_at(component: Component, place: LearnedPlace) -> bool {
     match place {
         Pivot => matches!(component, Component::Pivot | Component::Structure),
         Motor => matches!(component, Component::Motor | Component::Amplifier | Component::Control),
-        Gearbox => component == Component::Gearbox,
+        _ => component == component_of(place),
     }
 }

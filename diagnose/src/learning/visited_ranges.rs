@@ -1,9 +1,10 @@
 //! The values that recordings have of each regime variable: the range over which a free function is known, and how often.
 
-use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable};
+use counterpoise_models::{FeedbackSignal, LearnedElement, LearnedPlace, Parameters, RegimeVariable};
 use counterpoise_recordings::{ColumnName, Signals};
 
 use crate::localisation::torque_balances::{BalanceColumn, BalanceSignals};
+use crate::machine::RedundantSensors;
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
 use crate::tolerance::FITTED_SHARE;
@@ -18,6 +19,8 @@ pub struct VisitedRanges {
     pub drive_torque_nm: f64,
     ratio: f64,
     stiffness: f64,
+    /// Sensors that every recording has beside those that it must have.
+    recorded: RedundantSensors,
 }
 
 /// The extent to which the first parts of recordings are taken to tell of a function.
@@ -38,6 +41,8 @@ pub struct RangeExceedance {
     pub place: LearnedPlace,
     /// The variable that it is a function of.
     pub variable: RegimeVariable,
+    /// Unit of the variable.
+    pub unit: &'static str,
     /// The range over which it is known.
     pub known: [f64; 2],
     /// The range that the recordings visit.
@@ -61,6 +66,12 @@ enum VisitedColumn {
     Drive,
     /// Time, s.
     Time,
+    /// What the loop's sensor should read, in its unit.
+    LoopReading,
+    /// Rate of the platform, rad/s.
+    PlatformRate,
+    /// Heave, m/s^2.
+    Heave,
 }
 
 impl ColumnName for VisitedColumn {
@@ -80,6 +91,7 @@ impl VisitedRanges {
             let drive = |control: &f64| base.amplifier.drive_v(*control, &base.motor);
             let drive: Vec<f64> = recording.control().iter().map(drive).collect();
             let time: Vec<f64> = (0..signals.len()).map(|k| k as f64 * recording.period_s).collect();
+            let reading = loop_reading(base, recording, &signals);
             // in the order of `VisitedColumn`
             Signals::stack([
                 signals.column(BalanceColumn::Angle),
@@ -88,15 +100,37 @@ impl VisitedRanges {
                 signals.column(BalanceColumn::Mesh),
                 &drive,
                 &time,
+                &reading,
+                signals.column(BalanceColumn::Platform),
+                signals.column(BalanceColumn::Heave),
             ])
+        };
+        let recorded = RedundantSensors {
+            motor_rate: recordings.iter().all(|r| r.recorded.motor_rate),
+            hub_position: recordings.iter().all(|r| r.recorded.hub_position),
         };
         let recordings = recordings.iter().map(one).collect();
         Self {
             recordings,
+            recorded,
             drive_torque_nm: rms(&torques),
             ratio: base.gearbox.ratio,
             stiffness: base.gearbox.stiffness_nm_rad,
         }
+    }
+
+    /// Returns whether a sensor of the machine was recorded.
+    pub(crate) fn has_recorded(&self, place: LearnedPlace) -> bool {
+        match place {
+            LearnedPlace::MotorTachometer => self.recorded.motor_rate,
+            LearnedPlace::HubResolver => self.recorded.hub_position,
+            _ => true,
+        }
+    }
+
+    /// Returns the RMS of what a sensor reads, in its unit.
+    pub(crate) fn reading_rms(&self, place: LearnedPlace) -> f64 {
+        rms(&self.samples(place, RegimeVariable::Reading).concat())
     }
 
     /// Returns the samples of a variable at a place, recording by recording.
@@ -115,6 +149,12 @@ impl VisitedRanges {
                 (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Gearbox) => {
                     scaled(VisitedColumn::Load, 1.0 / self.stiffness)
                 }
+                (RegimeVariable::Angle | RegimeVariable::Turn, _) => own(VisitedColumn::Angle),
+                (RegimeVariable::Reading, LearnedPlace::MotorTachometer) => own(VisitedColumn::MotorRate),
+                (RegimeVariable::Reading, LearnedPlace::HubResolver) => own(VisitedColumn::Angle),
+                (RegimeVariable::Reading, LearnedPlace::PlatformGyro) => own(VisitedColumn::PlatformRate),
+                (RegimeVariable::Reading, LearnedPlace::PlatformAccelerometer) => own(VisitedColumn::Heave),
+                (RegimeVariable::Reading, _) => own(VisitedColumn::LoopReading),
                 (RegimeVariable::Rate, LearnedPlace::Motor) => own(VisitedColumn::MotorRate),
                 (RegimeVariable::Rate, _) => own(VisitedColumn::Rate),
                 (RegimeVariable::Load, LearnedPlace::Motor) => scaled(VisitedColumn::Load, 1.0 / self.ratio),
@@ -199,6 +239,7 @@ impl VisitedRanges {
             name: element.name.clone(),
             place: element.place,
             variable: element.variable,
+            unit: element.variable_unit(),
             known: [first, last],
             reached,
             share,
@@ -224,4 +265,14 @@ impl VisitedRanges {
         // four digits are enough for a drawing
         counts.iter().map(|count| (1e4 * count / f64::max(total, 1.0)).round() * 1e-4).collect()
     }
+}
+
+/// Returns what the loop's sensor should read: a gyroscope on the hub what tachometer and platform say, if the tachometer was recorded, because a
+/// sensor with an error does not show its own range.
+fn loop_reading(base: &Parameters, recording: &MeasuredSignals, signals: &BalanceSignals) -> Vec<f64> {
+    if recording.measured != FeedbackSignal::HubRate || !recording.recorded.motor_rate {
+        return recording.hub_rate().to_vec();
+    }
+    let (motor, platform) = (signals.column(BalanceColumn::Motor), signals.column(BalanceColumn::Platform));
+    motor.iter().zip(platform).map(|(m, p)| m / base.gearbox.ratio + p).collect()
 }

@@ -71,7 +71,7 @@ pub(crate) fn make_form_effect(
 ) -> Option<&'static Effect> {
     let duals = dual_rows(rows)?;
     let element: &'static LearnedElement = Box::leak(Box::new(element.clone()));
-    let unit = if element.quantity.is_factor() { "1" } else { "N m" };
+    let unit = unit_of(element);
     let parameter = |(row, dual): (&Vec<f64>, Vec<f64>)| {
         let largest = row.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let size = step / FIT_STEP / largest;
@@ -119,12 +119,16 @@ fn dual_rows(rows: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     (largest < INDISTINCT_ROWS).then(|| (0..count).map(dual).collect())
 }
 
+fn unit_of(element: &LearnedElement) -> &'static str {
+    if element.quantity.is_factor() { "1" } else { element.value_unit() }
+}
+
 fn make_effect(element: &'static LearnedElement, size: f64) -> Effect {
     let bound = TORQUE_BOUND * size * FIT_STEP;
     let bounds = if element.quantity.is_factor() { FACTOR_BOUNDS } else { [-bound, bound] };
-    let unit = if element.quantity.is_factor() { "1" } else { "N m" };
+    let unit = unit_of(element);
     let parameter = |(point, at): (usize, &f64)| EffectParameter {
-        name: Box::leak(format!("value at {at:.4} {}", element.variable.unit()).into_boxed_str()),
+        name: Box::leak(format!("value at {at:.4} {}", element.variable_unit()).into_boxed_str()),
         unit,
         bounds,
         size,
@@ -147,6 +151,11 @@ pub fn component_of(place: LearnedPlace) -> Component {
         LearnedPlace::Pivot => Component::Pivot,
         LearnedPlace::Motor => Component::Motor,
         LearnedPlace::Gearbox => Component::Gearbox,
+        LearnedPlace::LoopSensor => Component::HubGyro,
+        LearnedPlace::MotorTachometer => Component::MotorTachometer,
+        LearnedPlace::HubResolver => Component::HubResolver,
+        LearnedPlace::PlatformGyro => Component::PlatformGyro,
+        LearnedPlace::PlatformAccelerometer => Component::PlatformAccelerometer,
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::tolerance::fitting::HUNTING_DIVERGENCE;
 use std::sync::OnceLock;
 
-use counterpoise_models::Parameters;
+use counterpoise_models::{LearnedElement, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::history::ReadingColumns;
@@ -64,6 +64,11 @@ pub struct RecordingReplays<'a> {
     followed: Vec<bool>,
     /// The assessment of every recording for the mechanism that the replays were made with, which is asked for repeatedly.
     standing: Vec<OnceLock<Option<Assessment>>>,
+}
+
+/// Returns the errors of the platform's sensors.
+fn platform_errors(of: &Parameters) -> impl Iterator<Item = &LearnedElement> {
+    of.learned.iter().filter(|element| element.place.is_platform_sensor())
 }
 
 impl<'a> RecordingReplays<'a> {
@@ -134,6 +139,7 @@ impl<'a> RecordingReplays<'a> {
         ours.platform_gyro == theirs.platform_gyro
             && ours.platform_accelerometer == theirs.platform_accelerometer
             && ours.accelerometer_lever_arm_m == theirs.accelerometer_lever_arm_m
+            && platform_errors(self.base).eq(platform_errors(parameters))
     }
 
     /// Runs a prepared replay; prepares it again if the mechanism has other platform sensors.

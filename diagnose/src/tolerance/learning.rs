@@ -9,6 +9,14 @@ pub const TORQUE_BOUND: f64 = 400.0;
 pub const FACTOR_STEP: f64 = 0.05;
 /// Step of a torque, as a share of the RMS torque of the drive at that place: the control then moves by some converter steps.
 pub const TORQUE_STEP: f64 = 0.01;
+/// Step of a sensor's error, as a share of the RMS of what it reads: some steps of the converter.
+pub const ERROR_STEP: f64 = 0.01;
+/// Spacing of the points of a sensor's error at a reading of zero, as a share of an even one: a dead band of a hundredth of the range is seen.
+pub const ZOOM: f64 = 0.1;
+/// Distance of two points of a form, relative to the range, below which they are one.
+pub const SAME_POINT: f64 = 1e-4;
+/// Smallest dead band of a sensor that is read, as a share of its largest reading.
+pub const SMALLEST_DEAD_BAND: f64 = 0.002;
 /// Points of a function while candidates are ranked.
 pub const SCREENED_POINTS: usize = 12;
 /// Points of a function that is fitted.

@@ -1,6 +1,8 @@
 //! Free functions: what a machine does that no law of the library gives, as tables over one regime variable.
 
-/// A free function of one regime variable at one component: a torque, or a factor on a parameter.
+use super::sensing::FeedbackSignal;
+
+/// A free function of one regime variable at one component: a torque, a factor on a parameter, or an error of a sensor.
 ///
 /// Outside the range of its points it keeps its end values: nothing is known there.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -17,12 +19,14 @@ pub struct LearnedElement {
     pub interpolation: Interpolation,
     /// Values of the variable, rising, in SI units.
     pub points: Vec<f64>,
-    /// Values of the function at the points: N m, or factors.
+    /// Values of the function at the points: N m, factors, or the unit of a sensor.
     pub values: Vec<f64>,
     /// Half width of the 95 % band at each point, in the unit of the values; empty if it is not known.
     pub half_width: Vec<f64>,
     /// Share of the recorded samples nearest to each point; empty if it is not known.
     pub coverage: Vec<f64>,
+    /// Quantity that the loop's sensor measures, whose unit a function at that sensor has; without meaning elsewhere.
+    pub measured: FeedbackSignal,
 }
 
 impl LearnedElement {
@@ -52,6 +56,41 @@ pub enum LearnedPlace {
     Motor,
     /// The transmission, at its output. Its angle is the wind-up.
     Gearbox,
+    /// The sensor of the loop: a gyroscope on the hub, or what the loop has in its place. Its angle, and that of the two sensors below, is
+    /// the hub's on the platform.
+    LoopSensor,
+    /// The tachometer on the motor.
+    MotorTachometer,
+    /// The resolver on the hub.
+    HubResolver,
+    /// The gyroscope on the platform.
+    PlatformGyro,
+    /// The accelerometer on the platform.
+    PlatformAccelerometer,
+}
+
+impl LearnedPlace {
+    /// Every place.
+    pub const ALL: [Self; 8] = [
+        Self::Pivot,
+        Self::Motor,
+        Self::Gearbox,
+        Self::LoopSensor,
+        Self::MotorTachometer,
+        Self::HubResolver,
+        Self::PlatformGyro,
+        Self::PlatformAccelerometer,
+    ];
+
+    /// Returns whether it is a sensor, and no part of the mechanism.
+    pub fn is_sensor(self) -> bool {
+        !matches!(self, Self::Pivot | Self::Motor | Self::Gearbox)
+    }
+
+    /// Returns whether it is a sensor of the platform, which the mechanism does not move.
+    pub fn is_platform_sensor(self) -> bool {
+        matches!(self, Self::PlatformGyro | Self::PlatformAccelerometer)
+    }
 }
 
 /// Quantity that a free function adds to or multiplies.
@@ -69,6 +108,8 @@ pub enum LearnedQuantity {
     Damping,
     /// A factor on the torque constant (motor).
     TorqueConstant,
+    /// An error that is added to the reading of a sensor after its dynamics, gain and bias, and before its delay and noise.
+    Error,
 }
 
 /// The variable of a free function; of the joint at which the function acts.
@@ -87,6 +128,8 @@ pub enum RegimeVariable {
     Control,
     /// Time since the start, s.
     Time,
+    /// What a sensor would read without the error, in its unit.
+    Reading,
 }
 
 /// Interpolation of a free function between its points.
@@ -102,30 +145,12 @@ pub enum Interpolation {
 impl LearnedQuantity {
     /// Returns whether it multiplies a parameter, so that 1 changes nothing.
     pub fn is_factor(self) -> bool {
-        self != Self::Torque
+        !matches!(self, Self::Torque | Self::Error)
     }
 
     /// Returns the value that changes nothing.
     pub fn neutral(self) -> f64 {
         if self.is_factor() { 1.0 } else { 0.0 }
-    }
-
-    /// Returns the unit of its values on a turning axis; empty for a factor.
-    pub fn unit(self) -> &'static str {
-        if self.is_factor() { "" } else { "N m" }
-    }
-}
-
-impl RegimeVariable {
-    /// Returns its unit on a turning axis.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::Angle | Self::Turn => "rad",
-            Self::Rate => "rad/s",
-            Self::Load => "N m",
-            Self::Control => "V",
-            Self::Time => "s",
-        }
     }
 }
 
@@ -139,5 +164,42 @@ impl LearnedElement {
     ) -> Self {
         let values = vec![quantity.neutral(); points.len()];
         Self { place, quantity, variable, points, values, ..Self::default() }
+    }
+
+    /// Returns the unit of its values on a turning axis; empty for a factor.
+    pub fn value_unit(&self) -> &'static str {
+        match self.quantity {
+            LearnedQuantity::Torque => "N m",
+            LearnedQuantity::Error => self.reading_unit(),
+            _ => "",
+        }
+    }
+
+    /// Returns the unit of its variable on a turning axis.
+    pub fn variable_unit(&self) -> &'static str {
+        match self.variable {
+            RegimeVariable::Angle | RegimeVariable::Turn => "rad",
+            RegimeVariable::Rate => "rad/s",
+            RegimeVariable::Load => "N m",
+            RegimeVariable::Control => "V",
+            RegimeVariable::Time => "s",
+            RegimeVariable::Reading => self.reading_unit(),
+        }
+    }
+
+    /// Returns the unit of what the sensor at its place reads; empty if there is none.
+    fn reading_unit(&self) -> &'static str {
+        match self.place {
+            LearnedPlace::Pivot | LearnedPlace::Motor | LearnedPlace::Gearbox => "",
+            LearnedPlace::HubResolver => "rad",
+            LearnedPlace::MotorTachometer | LearnedPlace::PlatformGyro => "rad/s",
+            LearnedPlace::PlatformAccelerometer => "m/s^2",
+            LearnedPlace::LoopSensor => match self.measured {
+                FeedbackSignal::HubRate | FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => "rad/s",
+                FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => "rad",
+                FeedbackSignal::Torque => "N m",
+                FeedbackSignal::Current => "A",
+            },
+        }
     }
 }

@@ -7,6 +7,7 @@ use super::{Mesh, Plant};
 use crate::Error;
 use crate::parameters::{
     Gearbox, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable,
+    Sensors,
 };
 use crate::tolerance::{LEARNED_SPACING, LEAST_LEVEL, PERIODIC_COPIES};
 
@@ -210,8 +211,9 @@ pub struct LearnedFunction {
 }
 
 impl LearnedFunctions {
-    /// Returns the functions of a machine; `None` if it has none.
+    /// Returns the functions of a machine that act on its mechanism; `None` if it has none.
     pub fn of(parameters: &Parameters) -> Option<Self> {
+        let acting = parameters.learned.iter().filter(|element| !element.place.is_sensor());
         let one = |element: &LearnedElement| {
             Some(LearnedFunction {
                 place: element.place,
@@ -220,7 +222,7 @@ impl LearnedFunctions {
                 table: LearnedTable::new(element)?,
             })
         };
-        let all: Vec<LearnedFunction> = parameters.learned.iter().filter_map(one).collect();
+        let all: Vec<LearnedFunction> = acting.filter_map(one).collect();
         (!all.is_empty()).then_some(Self { all, ratio: parameters.gearbox.ratio })
     }
 
@@ -266,6 +268,7 @@ impl LearnedFunctions {
                 sum.hub_nm += torque_nm;
                 sum.motor_nm -= torque_nm / self.ratio;
             }
+            _ => {}
         }
     }
 
@@ -278,6 +281,7 @@ impl LearnedFunctions {
                 angle_rad: at.wind_up_rad,
                 rate_rad_s: at.motor.rate_rad_s / self.ratio - at.hub.rate_rad_s,
             },
+            _ => JointMotion::default(),
         };
         match function.variable {
             RegimeVariable::Angle | RegimeVariable::Turn => joint.angle_rad,
@@ -286,6 +290,7 @@ impl LearnedFunctions {
             RegimeVariable::Load => at.mesh_torque_nm,
             RegimeVariable::Control => at.drive_v,
             RegimeVariable::Time => at.time_s,
+            RegimeVariable::Reading => 0.0,
         }
     }
 }
@@ -302,16 +307,14 @@ fn value_torque_nm(function: &LearnedFunction, value: f64, plant: &Plant, at: &L
     let more = value - 1.0;
     match (function.quantity, function.place) {
         (LearnedQuantity::Torque, _) => value,
-        (LearnedQuantity::FrictionLevel, _) => 0.0,
+        (LearnedQuantity::FrictionLevel | LearnedQuantity::Error, _) => 0.0,
         (LearnedQuantity::Stiffness, LearnedPlace::Gearbox) => more * (at.mesh_torque_nm - mesh_damping()),
         (LearnedQuantity::Stiffness, _) => more * plant.spring_torque_nm(at.hub.angle_rad),
         (LearnedQuantity::Damping, LearnedPlace::Gearbox) => more * mesh_damping(),
         (LearnedQuantity::Damping, LearnedPlace::Motor) => {
             -more * p.motor_friction.viscous_nm_s_rad * at.motor.rate_rad_s
         }
-        (LearnedQuantity::Damping, LearnedPlace::Pivot) => {
-            -more * p.pivot_friction.viscous_nm_s_rad * at.hub.rate_rad_s
-        }
+        (LearnedQuantity::Damping, _) => -more * p.pivot_friction.viscous_nm_s_rad * at.hub.rate_rad_s,
         (LearnedQuantity::TorqueConstant, _) => {
             let limit = p.amplifier.current_limit_a;
             let ripple = 1.0 + p.motor.torque_ripple.at(at.motor.angle_rad);
@@ -344,7 +347,7 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
             let parameter = format!("learned[{k}].{}", refusal.key);
             Err(Error::Parameter { parameter, value: refusal.value, allowed: refusal.allowed.into() })
         };
-        element.refusal(&parameters.gearbox).map_or(Ok(()), refuse)
+        element.refusal(&parameters.gearbox, &parameters.sensors).map_or(Ok(()), refuse)
     })
 }
 
@@ -366,9 +369,34 @@ impl LearnedRefusal {
 }
 
 impl LearnedElement {
-    /// Returns why the element is refused behind a transmission; `None` if it is sound.
-    pub fn refusal(&self, gearbox: &Gearbox) -> Option<LearnedRefusal> {
-        self.refused_place(gearbox).or_else(|| self.refused_points()).or_else(|| self.refused_values())
+    /// Returns why the element is refused behind a transmission, beside sensors; `None` if it is sound.
+    pub fn refusal(&self, gearbox: &Gearbox, sensors: &Sensors) -> Option<LearnedRefusal> {
+        let place = match self.place.is_sensor() {
+            true => self.refused_sensor(sensors),
+            false => self.refused_place(gearbox),
+        };
+        place.or_else(|| self.refused_points()).or_else(|| self.refused_values())
+    }
+
+    fn refused_sensor(&self, sensors: &Sensors) -> Option<LearnedRefusal> {
+        let fitted = match self.place {
+            LearnedPlace::MotorTachometer => sensors.motor_tachometer.is_some(),
+            LearnedPlace::HubResolver => sensors.hub_resolver.is_some(),
+            LearnedPlace::PlatformGyro => sensors.platform_gyro.is_fitted(),
+            LearnedPlace::PlatformAccelerometer => sensors.platform_accelerometer.is_fitted(),
+            _ => true,
+        };
+        if !fitted {
+            return LearnedRefusal::of("place", 0.0, "is a sensor that this machine does not have");
+        }
+        if self.quantity != LearnedQuantity::Error {
+            return LearnedRefusal::of("quantity", 0.0, "must be \"error\" at a sensor");
+        }
+        let on_platform = self.place.is_platform_sensor();
+        let of_hub = matches!(self.variable, RegimeVariable::Angle | RegimeVariable::Turn) && !on_platform;
+        let own = matches!(self.variable, RegimeVariable::Reading | RegimeVariable::Time);
+        let allowed = "must be \"reading\" or \"time\" at a sensor, or at one of the hub or the motor \"angle\" or \"turn\"";
+        if own || of_hub { None } else { LearnedRefusal::of("variable", 0.0, allowed) }
     }
 
     fn refused_place(&self, gearbox: &Gearbox) -> Option<LearnedRefusal> {
@@ -378,6 +406,7 @@ impl LearnedElement {
             LearnedQuantity::FrictionLevel => self.place != LearnedPlace::Gearbox,
             LearnedQuantity::Stiffness => self.place != LearnedPlace::Motor,
             LearnedQuantity::TorqueConstant => self.place == LearnedPlace::Motor,
+            LearnedQuantity::Error => false,
         };
         let turns = self.variable == RegimeVariable::Turn && self.place == LearnedPlace::Gearbox;
         if of_gear && gearbox.is_rigid() {
@@ -385,13 +414,17 @@ impl LearnedElement {
             return LearnedRefusal::of("place", 0.0, allowed);
         }
         if !acts {
-            let allowed = "cannot act at this place: friction acts at pivot and motor, stiffness at pivot and gearbox, torque-constant at the motor";
+            let allowed = "cannot act at this place: friction acts at pivot and motor, stiffness at pivot and gearbox, torque-constant at the motor, error at a sensor";
             return LearnedRefusal::of("quantity", 0.0, allowed);
         }
         let drags =
             self.quantity == LearnedQuantity::FrictionLevel && self.variable == RegimeVariable::Control;
         if drags {
             let allowed = "cannot be \"control\" for friction, which does not feel it: take its angle, rate, load or time";
+            return LearnedRefusal::of("variable", 0.0, allowed);
+        }
+        if self.variable == RegimeVariable::Reading {
+            let allowed = "cannot be \"reading\" at a part that reads nothing: take it at a sensor";
             return LearnedRefusal::of("variable", 0.0, allowed);
         }
         let allowed = "cannot be \"turn\" at the gearbox, whose wind-up does not turn";

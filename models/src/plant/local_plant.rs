@@ -66,7 +66,7 @@ impl Plant {
             let joint = match function.place {
                 LearnedPlace::Motor => 0,
                 LearnedPlace::Pivot => 1,
-                LearnedPlace::Gearbox => continue,
+                _ => continue,
             };
             match function.variable {
                 RegimeVariable::Angle => added[joint].stiffness -= slope,
@@ -145,7 +145,7 @@ impl LearnedFunction {
                 joint_friction(p, place).law.scale_coulomb(value.max(LEAST_LEVEL));
             }
             (LearnedQuantity::TorqueConstant, _) => p.motor.torque_constant_nm_a *= value,
-            (LearnedQuantity::Torque, _) => {}
+            (LearnedQuantity::Torque | LearnedQuantity::Error, _) => {}
         }
     }
 }

@@ -21,6 +21,7 @@ mod outputs;
 mod ranges;
 pub mod rows;
 mod sensor;
+pub mod sensor_errors;
 
 pub use self::body::{Body, BodyMode};
 pub use self::core::{Core, Mesh};
@@ -33,6 +34,7 @@ pub use self::free_functions::{
 pub use self::hose::Hose;
 pub use self::impedance::Impedance;
 pub use self::linearisation::{Angles, FrictionLinearisation, LinearPlant, OutputRow, friction_impedance};
+pub use self::sensor_errors::{SensorErrors, SensorRegime};
 
 use crate::Error;
 use crate::friction::FrictionModel;

@@ -9,8 +9,16 @@ use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Count, NamedChoice, Visit, choose, list};
 
 impl NamedChoice for LearnedPlace {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("pivot", Self::Pivot), ("motor", Self::Motor), ("gearbox", Self::Gearbox)];
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("pivot", Self::Pivot),
+        ("motor", Self::Motor),
+        ("gearbox", Self::Gearbox),
+        ("loop-sensor", Self::LoopSensor),
+        ("motor-tachometer", Self::MotorTachometer),
+        ("hub-resolver", Self::HubResolver),
+        ("platform-gyro", Self::PlatformGyro),
+        ("platform-accelerometer", Self::PlatformAccelerometer),
+    ];
 }
 
 impl NamedChoice for LearnedQuantity {
@@ -20,6 +28,7 @@ impl NamedChoice for LearnedQuantity {
         ("stiffness", Self::Stiffness),
         ("damping", Self::Damping),
         ("torque-constant", Self::TorqueConstant),
+        ("error", Self::Error),
     ];
 }
 
@@ -31,6 +40,7 @@ impl NamedChoice for RegimeVariable {
         ("load", Self::Load),
         ("control", Self::Control),
         ("time", Self::Time),
+        ("reading", Self::Reading),
     ];
 }
 
@@ -43,10 +53,12 @@ const SECTION: TableField = TableField::optional(
     "a free function of one regime variable at a component, beside the laws of the library",
 );
 const NAME: Field = Field::new("name", "name of the function").or_text("");
-const PLACE: Field = Field::new("place", "component at which it acts").or_text("pivot").show_default();
+const PLACE: Field = Field::new("place", "component at which it acts: a part of the machine, or a sensor")
+    .or_text("pivot")
+    .show_default();
 const QUANTITY: Field = Field::new(
     "quantity",
-    "what it is: an added torque, or a factor on dry friction, stiffness, damping or torque constant",
+    "what it is: an added torque, a factor on dry friction, stiffness, damping or torque constant, or an error that is added to the reading of a sensor",
 )
 .or_text("torque")
 .show_default();
@@ -55,10 +67,12 @@ const VARIABLE: Field =
 const INTERPOLATION: Field = Field::new("interpolation", "how it goes from point to point").or_text("cubic");
 const POINTS: Field = Field::new(
     "points",
-    "values of the variable, rising, in its SI unit (rad, rad/s, N m, V, s); beyond them the end values hold",
+    "values of the variable, rising, in its SI unit (rad, rad/s, N m, V, s, or that of a sensor); beyond them the end values hold",
 );
-const VALUES: Field =
-    Field::new("values", "values at the points: N m for a torque (at the motor on its shaft), else factors");
+const VALUES: Field = Field::new(
+    "values",
+    "values at the points: N m for a torque (at the motor on its shaft), the sensor's unit for an error, else factors",
+);
 const HALF_WIDTH: Field = Field::new("half_width", "half width of the 95 % band at each point").or_empty();
 const COVERAGE: Field = Field::new("coverage", "share of the recorded samples nearest to each point")
     .limit(NumberRange::AtLeast(0.0))
@@ -66,13 +80,14 @@ const COVERAGE: Field = Field::new("coverage", "share of the recorded samples ne
 
 /// Reads or lists the free functions.
 pub(super) fn learned_functions(v: &mut dyn Visit, plant: &mut Parameters) {
-    let (axis, gearbox) = (plant.axis, plant.gearbox.clone());
+    let (axis, gearbox, sensors) = (plant.axis, plant.gearbox.clone(), plant.sensors.clone());
     list(v, &SECTION, &mut plant.learned, LearnedElement::default(), |v, element| {
+        element.measured = sensors.measured;
         function(v, axis, element);
         if element.points.iter().chain(&element.values).any(|number| number.is_nan()) {
             return; // a number that could not be read is reported already
         }
-        if let Some(refusal) = element.refusal(&gearbox) {
+        if let Some(refusal) = element.refusal(&gearbox, &sensors) {
             let key = refusal.key.split('[').next().unwrap_or_default();
             let allowed = match refusal.key.split_once('[') {
                 Some((_, index)) => format!("{}: entry [{index} is {}", refusal.allowed, refusal.value),
@@ -89,9 +104,11 @@ fn function(v: &mut dyn Visit, axis: AxisKind, element: &mut LearnedElement) {
     choose(v, &QUANTITY, &mut element.quantity);
     choose(v, &VARIABLE, &mut element.variable);
     choose(v, &INTERPOLATION, &mut element.interpolation);
-    let words = &mut Words::of(if element.place == LearnedPlace::Motor { AxisKind::Rotary } else { axis }, v);
-    let value_unit = element.quantity.unit();
-    words.numbers(&POINTS.unit(element.variable.unit()), Count::AtLeastOne, &mut element.points);
+    let turns = matches!(element.place, LearnedPlace::Motor | LearnedPlace::MotorTachometer);
+    let value_unit = element.value_unit();
+    let variable_unit = element.variable_unit();
+    let words = &mut Words::of(if turns { AxisKind::Rotary } else { axis }, v);
+    words.numbers(&POINTS.unit(variable_unit), Count::AtLeastOne, &mut element.points);
     words.numbers(&VALUES.unit(value_unit), Count::AtLeastOne, &mut element.values);
     words.numbers(
         &HALF_WIDTH.unit(value_unit).limit(NumberRange::AtLeast(0.0)),

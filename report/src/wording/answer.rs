@@ -198,7 +198,7 @@ pub fn describe_finding(finding: &Finding) -> FindingText {
         FindingBasis::NoKnownEffect { pattern, nearest } => {
             let nearest = nearest.map_or_else(String::new, |nearest| {
                 format!(
-                    " The nearest, {} {}, explains {:.0} % of it.",
+                    " The nearest, {} {}, removes {:.0} % of the residual's power on held-out data.",
                     nearest.name.component,
                     nearest.name.effect,
                     100.0 * nearest.share.max(0.0)
@@ -259,6 +259,27 @@ fn describe_experiment(experiment: NextExperiment) -> ExperimentText {
                 .to_owned(),
             why: "separates what depends on position, on rate and on amplitude".to_owned(),
         },
+        NextExperiment::Comparison { sensor } => ExperimentText {
+            what: comparison_of(sensor).to_owned(),
+            why: format!(
+                "compares {sensor} with another sensor of the same motion: an error of the sensor is in its reading alone, physics is in both"
+            ),
+        },
+    }
+}
+
+/// Returns the experiment that compares a sensor with another one.
+fn comparison_of(sensor: Component) -> &'static str {
+    match sensor {
+        Component::PlatformGyro | Component::PlatformAccelerometer => {
+            "the hub held on the platform, and the platform moved slowly through zero and to its largest motion both ways, recorded by the sensors of hub and platform together"
+        }
+        Component::MotorTachometer | Component::HubResolver => {
+            "a slow triangle of the rate through zero to the largest rate both ways, recorded with the gyroscope, the resolver and the tachometer together"
+        }
+        _ => {
+            "a slow triangle of the rate through zero to the largest rate both ways, recorded with a resolver, an encoder or a tachometer as well; then the hub held on the platform and the platform tilted slowly"
+        }
     }
 }
 

@@ -85,8 +85,8 @@ fn describe_element(element: &LearnedElement, reading: Option<&CurveReading>) ->
         place: place(element.place),
         quantity: quantity(element.quantity),
         variable: variable(element.variable),
-        variable_unit: element.variable.unit(),
-        value_unit: element.quantity.unit(),
+        variable_unit: element.variable_unit(),
+        value_unit: element.value_unit(),
         points: element.points.clone(),
         values: element.values.clone(),
         half_width: element.half_width.clone(),
@@ -100,7 +100,7 @@ fn describe_element(element: &LearnedElement, reading: Option<&CurveReading>) ->
 /// Describes that a recording leaves the range over which a free function is known.
 pub fn describe_beyond(beyond: &RangeExceedance) -> String {
     let range = |[low, high]: [f64; 2]| {
-        format!("{} to {}", describe_value(beyond.variable, low), describe_value(beyond.variable, high))
+        format!("{} to {}", describe_value(beyond.unit, low), describe_value(beyond.unit, high))
     };
     format!(
         "the free function \"{}\" is known for {} from {} and is flat outside, but the recording goes from {}: {:.1} % of the samples are beyond; \
@@ -118,6 +118,11 @@ fn place(place: LearnedPlace) -> &'static str {
         LearnedPlace::Pivot => "pivot",
         LearnedPlace::Motor => "motor",
         LearnedPlace::Gearbox => "gearbox",
+        LearnedPlace::LoopSensor => "loop-sensor",
+        LearnedPlace::MotorTachometer => "motor-tachometer",
+        LearnedPlace::HubResolver => "hub-resolver",
+        LearnedPlace::PlatformGyro => "platform-gyro",
+        LearnedPlace::PlatformAccelerometer => "platform-accelerometer",
     }
 }
 
@@ -128,6 +133,7 @@ fn quantity(quantity: LearnedQuantity) -> &'static str {
         LearnedQuantity::Stiffness => "stiffness",
         LearnedQuantity::Damping => "damping",
         LearnedQuantity::TorqueConstant => "torque-constant",
+        LearnedQuantity::Error => "error",
     }
 }
 
@@ -139,6 +145,18 @@ fn variable(variable: RegimeVariable) -> &'static str {
         RegimeVariable::Load => "load",
         RegimeVariable::Control => "control",
         RegimeVariable::Time => "time",
+        RegimeVariable::Reading => "reading",
+    }
+}
+
+/// Returns the name of a sensor in a sentence.
+fn sensor(place: LearnedPlace) -> &'static str {
+    match place {
+        LearnedPlace::MotorTachometer => "motor's tachometer",
+        LearnedPlace::HubResolver => "hub's resolver",
+        LearnedPlace::PlatformGyro => "platform's gyroscope",
+        LearnedPlace::PlatformAccelerometer => "platform's accelerometer",
+        _ => "loop's sensor",
     }
 }
 
@@ -151,6 +169,7 @@ fn subject(element: &LearnedElement) -> String {
         LearnedQuantity::Stiffness => format!("the stiffness at the {at}"),
         LearnedQuantity::Damping => format!("the damping at the {at}"),
         LearnedQuantity::TorqueConstant => "the torque constant".to_owned(),
+        LearnedQuantity::Error => format!("the error of the {}", sensor(element.place)),
     }
 }
 
@@ -161,11 +180,12 @@ fn range(element: &LearnedElement) -> String {
     if element.variable == RegimeVariable::Turn {
         return format!("known over the whole turn of the {}", place(element.place));
     }
-    let value = |at: f64| describe_value(element.variable, at);
+    let value = |at: f64| describe_value(element.variable_unit(), at);
     let over = variable(element.variable);
     match visited_points(element) {
         Some([first, last]) if first > *low || last < *high => format!(
-            "the recordings go for {over} from {} to {}; the curve goes on to {} and {}, and is flat beyond",
+            "the recordings go for {over} from {} to {}; its simple form is taken to hold for half of that range further, \
+             from {} to {}, and is flat beyond",
             value(first),
             value(last),
             value(*low),
@@ -187,9 +207,8 @@ fn visited_points(element: &LearnedElement) -> Option<[f64; 2]> {
     Some([first, visited.next_back().unwrap_or(first)])
 }
 
-/// Returns a value of the variable with a unit of its size.
-fn describe_value(variable: RegimeVariable, value: f64) -> String {
-    let unit = variable.unit();
+/// Returns a value with a unit of its size.
+fn describe_value(unit: &str, value: f64) -> String {
     if unit.starts_with("rad") && value.abs() < 0.5 && value != 0.0 {
         return format!("{} m{unit}", short_number(1e3 * value));
     }
@@ -206,7 +225,11 @@ fn change(element: &LearnedElement, value: f64, half: f64) -> String {
             100.0 * (value + half)
         );
     }
-    format!("{} N m ({} to {})", short_number(value), short_number(value - half), short_number(value + half))
+    let unit = element.value_unit();
+    let small = unit.starts_with("rad") && value.abs() + half < 0.5;
+    let (factor, prefix) = if small { (1e3, "m") } else { (1.0, "") };
+    let [value, low, high] = [value, value - half, value + half].map(|x| short_number(factor * x));
+    format!("{value} {prefix}{unit} ({low} to {high})")
 }
 
 /// Describes what a curve says, with its numbers and intervals.
@@ -231,9 +254,10 @@ pub fn describe_reading(element: &LearnedElement, reading: Option<&CurveReading>
             format!(
                 "{subject} bends with the square of the {}: {bend} per ({})^2",
                 variable(element.variable),
-                element.variable.unit()
+                element.variable_unit()
             )
         }
+        CurveForm::DeadBand => dead_band(element, &subject, reading),
         CurveForm::Bump | CurveForm::Sign | CurveForm::Saturation | CurveForm::ExponentialApproach => {
             step(element, &subject, reading)
         }
@@ -243,7 +267,10 @@ pub fn describe_reading(element: &LearnedElement, reading: Option<&CurveReading>
 /// Describes a curve that no simple form explains.
 fn without_form(element: &LearnedElement, subject: &str) -> String {
     let [low, high] = element.value_range();
-    let unit = if element.quantity.is_factor() { " times its value" } else { " N m" };
+    let unit = match element.value_unit() {
+        "" => " times its value".to_owned(),
+        unit => format!(" {unit}"),
+    };
     let over = variable(element.variable);
     format!(
         "{subject} follows the {over} by no simple form, between {} and {}{unit}",
@@ -256,7 +283,7 @@ fn without_form(element: &LearnedElement, subject: &str) -> String {
 fn step(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let of = |name: &str| change(element, reading.value(name).abs(), reading.half_width(name));
     let rises = |name: &str| if reading.value(name) > 0.0 { "rises" } else { "falls" };
-    let at = |name: &str| describe_value(element.variable, reading.value(name));
+    let at = |name: &str| describe_value(element.variable_unit(), reading.value(name));
     match reading.form {
         CurveForm::Sign => format!(
             "{subject} changes its sign with the {}: {} either way",
@@ -276,7 +303,7 @@ fn step(element: &LearnedElement, subject: &str, reading: &CurveReading) -> Stri
             of("rise"),
             short_number(reading.value("constant")),
             short_number(reading.half_width("constant")),
-            element.variable.unit()
+            element.variable_unit()
         ),
         _ => format!(
             "{subject} {} by {} within {} of {}{}",
@@ -309,17 +336,20 @@ fn spot(element: &LearnedElement, height: f64) -> &'static str {
 fn line(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let (slope, half_width) = (reading.value("slope"), reading.half_width("slope"));
     let size = format!(
-        "{} N m per {} ({} to {})",
+        "{} {} per {} ({} to {})",
         short_number(slope.abs()),
-        element.variable.unit(),
+        element.value_unit(),
+        element.variable_unit(),
         short_number(slope.abs() - half_width),
         short_number(slope.abs() + half_width)
     );
     match (element.variable, slope > 0.0) {
-        (RegimeVariable::Angle, true) => {
+        (RegimeVariable::Angle, true) if !element.place.is_sensor() => {
             format!("{subject} pushes away from its middle as a spring of negative stiffness does: {size}")
         }
-        (RegimeVariable::Angle, false) => format!("{subject} acts as a spring: {size}"),
+        (RegimeVariable::Angle, false) if !element.place.is_sensor() => {
+            format!("{subject} acts as a spring: {size}")
+        }
         (RegimeVariable::Rate, false) => format!("{subject} acts as viscous friction: {size}"),
         _ => format!("{subject} is proportional to the {}: {size}", variable(element.variable)),
     }
@@ -327,15 +357,68 @@ fn line(element: &LearnedElement, subject: &str, reading: &CurveReading) -> Stri
 
 fn stops(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let (slope, over) = (reading.value("slope"), variable(element.variable));
-    let hard = slope < 0.0 && element.variable == RegimeVariable::Angle && !element.quantity.is_factor();
+    if element.quantity == LearnedQuantity::Error && element.variable == RegimeVariable::Reading {
+        return saturation(element, reading);
+    }
+    let hard = slope < 0.0
+        && element.variable == RegimeVariable::Angle
+        && element.quantity == LearnedQuantity::Torque;
     format!(
         "{subject} sets in beyond {} of {over} to either side, with {} +- {} per {}{}",
-        describe_value(element.variable, reading.value("distance")),
+        describe_value(element.variable_unit(), reading.value("distance")),
         short_number(slope),
         short_number(reading.half_width("slope")),
-        element.variable.unit(),
+        element.variable_unit(),
         if hard { ": soft stops" } else { "" }
     )
+}
+
+/// Describes an error of a sensor that sets in beyond a reading.
+fn saturation(element: &LearnedElement, reading: &CurveReading) -> String {
+    let name = sensor(element.place);
+    let distance = describe_distance(element, reading);
+    let gain = short_number(100.0 * (1.0 + reading.value("slope")));
+    match saturates(reading) {
+        true => format!("the {name} saturates at {distance}: beyond it the reading stands still"),
+        false => format!("beyond {distance} to either side the {name} shows {gain} % of what goes on"),
+    }
+}
+
+/// Describes an error of a sensor within a band about zero.
+fn dead_band(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
+    let distance = describe_distance(element, reading);
+    if element.quantity != LearnedQuantity::Error || element.variable != RegimeVariable::Reading {
+        let slope = short_number(reading.value("slope"));
+        let (over, unit) = (variable(element.variable), element.variable_unit());
+        return format!(
+            "{subject} grows with the {over} up to {distance} to either side, with {slope} per {unit}, and stays there"
+        );
+    }
+    let name = sensor(element.place);
+    let gain = short_number(100.0 * (1.0 + reading.value("slope")));
+    match saturates(reading) {
+        true => format!(
+            "the {name} has a dead band of {distance} to either side: within it the reading is 0, beyond it it lacks as much"
+        ),
+        false => format!("within {distance} to either side the {name} shows {gain} % of what it measures"),
+    }
+}
+
+/// Returns the distance of a form from zero with its interval.
+fn describe_distance(element: &LearnedElement, reading: &CurveReading) -> String {
+    let unit = element.variable_unit();
+    let small = unit.starts_with("rad") && reading.value("distance") < 0.5;
+    let (factor, prefix) = if small { (1e3, "m") } else { (1.0, "") };
+    let [low, high] = reading.interval("distance").map(|x| short_number(factor * x));
+    format!("{} {prefix}{unit} ({low} to {high})", short_number(factor * reading.value("distance")))
+}
+
+/// Share of what is measured that a reading may still show where it counts as none.
+const NO_READING: f64 = 0.1;
+
+/// Returns whether an error takes all of what is measured where it sets in.
+fn saturates(reading: &CurveReading) -> bool {
+    (reading.value("slope") + 1.0).abs() < NO_READING
 }
 
 fn cubic(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
@@ -347,7 +430,7 @@ fn cubic(element: &LearnedElement, subject: &str, reading: &CurveReading) -> Str
         }
         _ => "",
     };
-    let unit = element.variable.unit();
+    let unit = element.variable_unit();
     format!(
         "{subject} is {} x + {} x^3 ({} to {}), x in {unit}{what}",
         short_number(slope),
@@ -373,7 +456,7 @@ fn sine(element: &LearnedElement, subject: &str, reading: &CurveReading) -> Stri
         ),
         _ => format!(
             "{subject} repeats every {} of the {}, with an amplitude of {amplitude}",
-            describe_value(element.variable, std::f64::consts::TAU / order),
+            describe_value(element.variable_unit(), std::f64::consts::TAU / order),
             variable(element.variable)
         ),
     }

@@ -49,10 +49,13 @@ fn after_number(unit: &str) -> String {
 
 /// Describes what a mismatch depends on.
 pub(super) fn describe_pattern(pattern: Option<&Pattern>) -> String {
-    let Some(pattern) = pattern else { return "not found".to_owned() };
+    let Some(pattern) = pattern else { return "along none of the variables that were tried".to_owned() };
     let share = 100.0 * pattern.explained;
     let trend = pattern.trend.map_or_else(String::new, |trend| format!("; {}", describe_trend(trend)));
-    format!("follows {}: {share:.0} % of what can be explained{trend}", pattern.regime)
+    format!(
+        "with {}: an error that follows it explains {share:.0} % of what can be explained{trend}",
+        pattern.regime
+    )
 }
 
 /// Describes a chart in a few sentences.

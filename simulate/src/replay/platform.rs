@@ -3,7 +3,8 @@
 use super::smoother::sensor_input;
 use crate::motion::{FurtherMotion, PlatformMotion};
 use crate::signal::Signal;
-use counterpoise_models::{AccelerometerAxis, Alignment, Interface, Parameters, Sensor};
+use counterpoise_models::plant::SensorErrors;
+use counterpoise_models::{AccelerometerAxis, Alignment, Interface, LearnedPlace, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording, repeat_last};
 
 /// Returns the sensor of a machine that a channel is the reading of; `None` for a channel without one, or one that is not fitted.
@@ -93,13 +94,22 @@ impl SensorInput {
 
     /// Returns the input with gain, bias and delay taken out; `None` if it was not recorded, or the machine has no such sensor and
     /// its column says nothing.
-    fn corrected_input(&self, sensor: &Sensor, period_s: f64) -> Option<Vec<f64>> {
+    fn corrected_input(
+        &self,
+        sensor: &Sensor,
+        errors: Option<&SensorErrors>,
+        period_s: f64,
+    ) -> Option<Vec<f64>> {
         if !sensor.is_fitted() {
             return None;
         }
         let late = sensor.mean_delay_samples(period_s);
         let advanced = advance_series(self.input.as_deref()?, late);
-        Some(advanced.into_iter().map(|value| (value - sensor.bias) / sensor.gain).collect())
+        let one = |(k, value): (usize, f64)| {
+            let read = errors.map_or(value, |e| e.corrected_reading(value, k as f64 * period_s));
+            (read - sensor.bias) / sensor.gain
+        };
+        Some(advanced.into_iter().enumerate().map(one).collect())
     }
 }
 
@@ -129,13 +139,16 @@ impl PlatformSensorInputs {
     /// Returns the motion of the platform with the sensors' errors taken out.
     pub(crate) fn motion(&self, parameters: &Parameters, period_s: f64) -> PlatformMotion {
         let sensors = &parameters.sensors;
-        let rate = self.rate.corrected_input(&sensors.platform_gyro, period_s);
-        let heave = self.heave.corrected_input(&sensors.platform_accelerometer, period_s);
+        let errors = |place| SensorErrors::of(parameters, place);
+        let (of_gyro, of_heave) =
+            (errors(LearnedPlace::PlatformGyro), errors(LearnedPlace::PlatformAccelerometer));
+        let rate = self.rate.corrected_input(&sensors.platform_gyro, of_gyro.as_ref(), period_s);
+        let heave = self.heave.corrected_input(&sensors.platform_accelerometer, of_heave.as_ref(), period_s);
         let surge = self.surge.as_ref().zip(sensors.surge_accelerometer.as_ref());
         let mut felt = PlatformInputs {
             rate,
             heave,
-            surge: surge.and_then(|(found, sensor)| found.corrected_input(sensor, period_s)),
+            surge: surge.and_then(|(found, sensor)| found.corrected_input(sensor, None, period_s)),
         };
         felt.take_cross_axis_out(parameters, self.turning.as_ref(), period_s);
         felt.take_lever_arm_out(parameters, period_s);

@@ -7,7 +7,7 @@ use crate::engine::state::PlantState;
 use crate::run::initial_state;
 use crate::{Error, Scenario};
 use counterpoise_models::friction::{FrictionModel, Law};
-use counterpoise_models::{Mesh, Plant};
+use counterpoise_models::{LearnedElement, Mesh, Parameters, Plant};
 
 /// A machine of a family, and where its run starts.
 #[derive(Debug, Clone)]
@@ -137,6 +137,11 @@ fn has_same_parts(a: &Plant, b: &Plant) -> bool {
         && own.gearbox.mesh_ripple == other.gearbox.mesh_ripple
 }
 
+/// Returns the errors of the platform's sensors.
+fn platform_errors(of: &Parameters) -> Vec<&LearnedElement> {
+    of.learned.iter().filter(|element| element.place.is_platform_sensor()).collect()
+}
+
 /// Checks that a member differs from the nominal plant by degree only.
 fn check_structure(nominal: &Plant, member: &Plant, direction: usize) -> Result<(), SensitivityRefusal> {
     let (own, other) = (nominal.parameters(), member.parameters());
@@ -170,7 +175,8 @@ fn check_structure(nominal: &Plant, member: &Plant, direction: usize) -> Result<
             "the sensors of the platform",
             own.sensors.platform_gyro == other.sensors.platform_gyro
                 && own.sensors.platform_accelerometer == other.sensors.platform_accelerometer
-                && own.sensors.surge_accelerometer == other.sensors.surge_accelerometer,
+                && own.sensors.surge_accelerometer == other.sensors.surge_accelerometer
+                && platform_errors(own) == platform_errors(other),
         ),
         (
             "what the loop's sensor measures",

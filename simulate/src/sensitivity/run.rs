@@ -5,7 +5,7 @@ use super::controllers::DifferentiableController;
 use super::direction::{Direction, Family, start_of};
 use super::jumps::DiscreteState;
 use super::port_rows::given;
-use super::readings::ReadingSlopes;
+use super::readings::{ReadSensor, ReadTruth, ReadingSlopes};
 use super::refusal::SensitivityRefusal;
 use super::step_slopes::PlantSlopes;
 use crate::engine::present_plant::Sample;
@@ -19,7 +19,9 @@ use crate::sensing::Imperfections;
 use crate::tolerance::DRIVE_DIFFERENCE_V;
 use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{AccelerometerAxis, CONVERTER_RANGE_V, Clock, DriveLimits, Plant};
+use counterpoise_models::{
+    AccelerometerAxis, CONVERTER_RANGE_V, Clock, DriveLimits, LearnedPlace, Parameters, Plant, Sensor,
+};
 use std::collections::VecDeque;
 
 /// Number of outputs of [`OutputSlopes`].
@@ -166,9 +168,12 @@ impl<'a> SlopeRun<'a> {
         });
         let before = before.collect();
         let part = SensitivityRefusal::Part { part: "a machine without a sensor in its loop" };
-        let hub = ReadingSlopes::new(plant, &families, |p| Some(&p.sensors.hub_gyro)).ok_or(part)?;
-        let tachometer = ReadingSlopes::new(plant, &families, |p| p.sensors.motor_tachometer.as_ref());
-        let resolver = ReadingSlopes::new(plant, &families, |p| p.sensors.hub_resolver.as_ref());
+        let read = |of: fn(&Parameters) -> Option<&Sensor>, place| {
+            ReadingSlopes::new(plant, &families, ReadSensor { of, place })
+        };
+        let hub = read(|p| Some(&p.sensors.hub_gyro), LearnedPlace::LoopSensor).ok_or(part)?;
+        let tachometer = read(|p| p.sensors.motor_tachometer.as_ref(), LearnedPlace::MotorTachometer);
+        let resolver = read(|p| p.sensors.hub_resolver.as_ref(), LearnedPlace::HubResolver);
         let mut slopes = PlantSlopes::new(plant, families, stepper.period_s())?;
         slopes.restart(&start);
         Ok(Self {
@@ -231,19 +236,22 @@ impl<'a> SlopeRun<'a> {
         let coupling = &self.slopes.machine.slopes.coupling;
         let motor_slopes: Vec<f64> =
             (0..self.count).map(|k| self.seen.row(0)[k] - coupling[k] * platform.rate).collect();
-        let hub = self.hub.read(shown.hub_gyro, &self.slopes.state.gyro.row(0)[..self.count], platform.heave);
+        let (hub_angle_rad, angle_slopes) = (hub_angle - platform.angle, &self.seen.row(2)[..self.count]);
+        let truth = |value, slopes| ReadTruth { value, slopes, heave: 0.0, hub_angle_rad, angle_slopes };
+        let shown_hub = truth(shown.hub_gyro, &self.slopes.state.gyro.row(0)[..self.count]);
+        let hub = self.hub.read(&ReadTruth { heave: platform.heave, ..shown_hub });
         for (readings, slope) in self.readings.iter_mut().zip(hub) {
             readings.hub_rate_rad_s = *slope;
         }
         if let Some(tachometer) = &mut self.tachometer {
             for (readings, slope) in
-                self.readings.iter_mut().zip(tachometer.read(motor_rate, &motor_slopes, 0.0))
+                self.readings.iter_mut().zip(tachometer.read(&truth(motor_rate, &motor_slopes)))
             {
                 readings.motor_rate_rad_s = *slope;
             }
         }
         if let Some(resolver) = &mut self.resolver {
-            let slopes = resolver.read(hub_angle - platform.angle, &self.seen.row(2)[..self.count], 0.0);
+            let slopes = resolver.read(&truth(hub_angle_rad, angle_slopes));
             for (readings, slope) in self.readings.iter_mut().zip(slopes) {
                 readings.hub_position_rad = *slope;
             }
