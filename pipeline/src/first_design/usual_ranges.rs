@@ -69,7 +69,9 @@ impl OpenValues {
         let mut known_absent: Vec<Unknown> = stated.map(|(fact, _)| fact).collect();
         let assumptions = project.assumptions();
         let states_rigid = project.stated_defaults.iter().any(|key| MODES.contains(&last_part(key)));
-        if states_rigid && !assumptions.iter().any(|open| MODES.contains(&last_part(&open.key))) {
+        // Of one body the file may assume that it is rigid, without a range.
+        let is_open = |open: &Assumption| MODES.contains(&last_part(&open.key)) && open.usual.is_some();
+        if states_rigid && !assumptions.iter().any(is_open) {
             known_absent.push(Unknown::Structure);
         }
         let delay = assumptions.iter().find(|assumption| assumption.key == sensor("delay"));
