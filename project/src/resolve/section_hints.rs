@@ -94,7 +94,7 @@ fn drop_keys_of_missing_choices(document: &Document, findings: &mut Vec<Diagnost
     let of_drive = named.iter().any(|section| section == "plant.drive");
     findings.retain(|d| {
         let is_needed = d.problem == DiagnosticKind::Missing && named.contains(&section_of(d));
-        !is_needed && !(of_drive && d.path == "plant.sensors.current")
+        !(is_needed || of_drive && d.path == "plant.sensors.current")
     });
 }
 
