@@ -79,6 +79,8 @@ pub(crate) trait Arithmetic {
     fn worst_errors(&self) -> Vec<f64>;
     /// Returns for each run what rounded coefficients and readings do to the control of each sample, V.
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>>;
+    /// Returns a reading as the step gets it.
+    fn stored_reading(&self, value: f64) -> f64;
     /// Returns what an operation of a line rounds as it was executed.
     fn rounding_of(&self, line: Line, executed: &ExecutedOperation<'_>) -> OperationRounding;
 }

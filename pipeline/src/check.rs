@@ -1,16 +1,20 @@
 //! The reading of a project file, and the values that are assumed.
 
 use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
+use counterpoise_lti::poles;
 use counterpoise_models::AxisKind;
+use counterpoise_models::parameters::Transmission;
 use counterpoise_pool::Serial;
 use counterpoise_project::{
     Assumption, Diagnostic, Document, KeyTolerance, ParsedProject, Project, Purpose, SectionStatement,
 };
+use counterpoise_synth::tolerance::{CAUTION, LIGHTLY_DAMPED};
+use counterpoise_synth::{LimitKind, Unknown};
 use serde::Serialize;
 
 use crate::check_problem::CheckProblem;
 use crate::exchange::VerifiedLoop;
-use crate::first_design::leaves_weights_open;
+use crate::first_design::{ChosenWeights, leaves_weights_open, unknown_key};
 use crate::studies::assumptions::{AssumptionEffect, LoopSystems, assumption_effects, with_those_of_design};
 use crate::studies::sweep::campaign_is_stated;
 use crate::{PipelineError, PlantModel, build_plant_model, choose_weights, reduce_plant, synthesise};
@@ -37,6 +41,8 @@ pub struct CheckResult<Problem = CheckProblem> {
     pub assumptions: Vec<Assumption>,
     /// The effects of the assumptions with a usual range, the largest effect first; empty without a design.
     pub effects: Vec<AssumptionEffect>,
+    /// The facts that are not known and lower the ceiling of the bandwidth of a first design; empty without one.
+    pub open_facts: Vec<OpenFact>,
     /// Why the plant cannot be built, or why there is no design by which assumptions could be judged.
     pub problems: Vec<Problem>,
     /// The entries that are allowed but likely to be mistakes.
@@ -58,6 +64,7 @@ impl CheckResult {
             tolerances: self.tolerances,
             assumptions: self.assumptions,
             effects: self.effects,
+            open_facts: self.open_facts,
             problems: self.problems.iter().map(describe).collect(),
             warnings: self.warnings,
             commands: self.commands,
@@ -79,6 +86,11 @@ pub struct PlantOverview {
     pub out_of_balance_kg_m: f64,
     /// Frequency of the first flexible mode of the structure, pinned at the hub, Hz; `None` for a rigid one.
     pub first_mode_hz: Option<f64>,
+    /// Frequency of the first flexible mode of the machine with the transmission's own, Hz; `None` if the transmission is rigid.
+    pub transmission_mode_hz: Option<f64>,
+    /// The transmission, as a word.
+    #[serde(skip)]
+    pub transmission: &'static str,
     /// Control that holds the mechanism where it stands, V.
     pub holding_v: f64,
     /// Rate at which the controller runs, Hz.
@@ -120,10 +132,11 @@ fn what_lacks(problem: &CheckProblem) -> Lacks {
 pub fn check_project(document: &Document, parsed: &ParsedProject, systems: LoopSystems) -> CheckResult {
     let project = &parsed.project;
     let mut problems = Vec::new();
-    let (plant, (assumptions, effects)) = match build_plant_model(project) {
+    let (plant, ranked) = match build_plant_model(project) {
         Err(error) => {
             problems.push(CheckProblem::NoPlant { cause: error });
-            (None, (parsed.assumptions.clone(), Vec::new()))
+            let assumptions = parsed.assumptions.clone();
+            (None, RankedAssumptions { assumptions, ..RankedAssumptions::default() })
         }
         Ok(modelled) => {
             let ranked = rank_assumptions(project, &modelled, &parsed.assumptions, systems);
@@ -131,7 +144,7 @@ pub fn check_project(document: &Document, parsed: &ParsedProject, systems: LoopS
                 problems.push(CheckProblem::NoDesign { cause: error });
                 RankedAssumptions { assumptions: parsed.assumptions.clone(), ..RankedAssumptions::default() }
             });
-            (Some(overview(&modelled)), (ranked.assumptions, ranked.effects))
+            (Some(overview(&modelled)), ranked)
         }
     };
     let lacks = problems.iter().map(what_lacks).max().unwrap_or(Lacks::Nothing);
@@ -152,12 +165,22 @@ pub fn check_project(document: &Document, parsed: &ParsedProject, systems: LoopS
         plant,
         sections: project.statements_of(document),
         tolerances: project.tolerances.clone(),
-        assumptions,
-        effects,
+        assumptions: ranked.assumptions,
+        effects: ranked.effects,
+        open_facts: ranked.open_facts,
         problems,
         warnings: parsed.warnings.clone(),
         commands: PURPOSES.iter().filter(|purpose| can(purpose)).map(|purpose| purpose.name()).collect(),
     }
+}
+
+/// A fact of the loop that is not known and lowers the ceiling of the bandwidth of a first design.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OpenFact {
+    /// Path of the key that states it.
+    pub key: String,
+    /// The ceiling with it known, rad/s: other limits may be lower.
+    pub ceiling_if_known_rad_s: f64,
 }
 
 /// The values that a file leaves open, and how much they matter.
@@ -167,6 +190,8 @@ pub struct RankedAssumptions {
     pub assumptions: Vec<Assumption>,
     /// The effects of those of the plant that have a usual range, the largest effect first: what is first is worth measuring next.
     pub effects: Vec<AssumptionEffect>,
+    /// The facts that are not known and lower the ceiling of the bandwidth, if the weights are chosen.
+    pub open_facts: Vec<OpenFact>,
     /// The loop at the assumed values, from which effects are counted; `None` without effects, or if the systems are left out.
     pub assumed_loop: Option<VerifiedLoop>,
 }
@@ -196,12 +221,57 @@ pub fn rank_assumptions(
     let synthesised = synthesise(project, modelled, &reduced)?;
     let found = assumption_effects(project, modelled, &synthesised, assumptions, systems, &Serial)?;
     let assumptions = with_those_of_design(assumptions, &synthesised);
-    Ok(RankedAssumptions { assumptions, effects: found.effects, assumed_loop: found.assumed_loop })
+    let open_facts = chosen.as_ref().map_or_else(Vec::new, |chosen| list_open_facts(project, chosen));
+    Ok(RankedAssumptions {
+        assumptions,
+        effects: found.effects,
+        open_facts,
+        assumed_loop: found.assumed_loop,
+    })
+}
+
+/// Returns the facts that are not known and lower the ceiling of the bandwidth of chosen weights.
+fn list_open_facts(project: &Project, chosen: &ChosenWeights) -> Vec<OpenFact> {
+    let bandwidth = &chosen.first.bandwidth;
+    let ceiling = bandwidth.limits.iter().find(|limit| limit.kind == LimitKind::SampleRate);
+    let Some(ceiling) = ceiling.map(|limit| limit.bandwidth_rad_s) else { return Vec::new() };
+    let fact = |fact: &Unknown| OpenFact {
+        key: unknown_key(project, *fact),
+        ceiling_if_known_rad_s: ceiling / CAUTION,
+    };
+    bandwidth.unknown.iter().map(fact).collect()
+}
+
+/// Returns the frequency of the first flexible mode of the whole plant, Hz; `None` if it has none.
+fn first_mode_of_plant(modelled: &PlantModel) -> Option<f64> {
+    let found = poles(&modelled.linear.system).ok()?;
+    let light = found.iter().filter(|pole| pole.im > 0.0 && pole.re.abs() < LIGHTLY_DAMPED * pole.norm());
+    let slowest = light.map(|pole| pole.norm()).reduce(f64::min)?;
+    Some(slowest / std::f64::consts::TAU)
+}
+
+/// Returns the word for a transmission.
+fn transmission_word(kind: Transmission) -> &'static str {
+    match kind {
+        Transmission::Direct => "drive",
+        Transmission::Gearbox => "gearbox",
+        Transmission::Belt => "belt",
+        Transmission::Cable => "cable",
+        Transmission::HarmonicDrive => "harmonic drive",
+        Transmission::BallScrew { .. } => "ball screw",
+    }
 }
 
 fn overview(modelled: &PlantModel) -> PlantOverview {
     let body = modelled.plant.body();
+    let gearbox = &modelled.parameters.gearbox;
+    let transmission_mode_hz = match gearbox.is_rigid() || modelled.parameters.cylinder.is_some() {
+        true => None,
+        false => first_mode_of_plant(modelled),
+    };
     PlantOverview {
+        transmission: transmission_word(gearbox.kind),
+        transmission_mode_hz,
         is_sliding: modelled.parameters.axis == AxisKind::Linear,
         order: modelled.linear.system.order(),
         inertia_kg_m2: body.inertia_kg_m2,

@@ -286,7 +286,7 @@ at_least = 60
 const DIRECT: &str = "format = 2
 plant.lumped.hub_inertia = \"0.02 kg m^2\"
 plant.motor = { torque_constant = \"0.3 N m/A\" }
-plant.drive = { kind = \"current\", limit = \"5 A\" }
+plant.drive = { kind = \"current\", limit = \"5 A\", delay = 0.0 }
 plant.sensors.hub_gyro = { noise = \"0.01 deg/s\", delay = \"0 ms\" }
 plant.interface = { sample_period = \"250 us\", output_delay_samples = 0 }
 verify.step.rate = 0.05
@@ -306,6 +306,29 @@ fn a_structure_that_is_stated_rigid_is_known_and_stays_so_when_it_is_saved() {
     assert!(saved.text().contains("stiffness = \"rigid\""), "{}", saved.text());
     let whole = Project::parse(&project.to_text(), "written.toml").unwrap().project;
     assert_eq!(whole.plant, project.plant);
+}
+
+#[test]
+fn delays_of_a_control_and_of_its_drive_are_open_each_by_itself() {
+    let file = |drive: &str, control: &str| {
+        format!(
+            "format = 2
+plant.inertia = 0.4
+plant.motor = {{ torque_constant = 0.3 }}
+plant.drive = {{ kind = \"current\", limit = 9.0{drive} }}
+plant.sensors.hub_gyro = {{ noise = \"0.002 deg/s\", delay = 1e-3 }}
+plant.interface = {{ sample_period = 1e-3{control} }}
+verify.step.rate = 1e-3
+"
+        )
+    };
+    let [drive, control] = [", delay = 1e-4", ", output_delay_samples = 1"];
+    let reached = |drive, control| choose_weights(&file(drive, control)).first.bandwidth.bandwidth_rad_s;
+    let stated = reached(drive, control);
+    for (drive, control) in [("", control), (drive, ""), ("", "")] {
+        let open = reached(drive, control);
+        assert!(open <= 1.03 * stated, "{drive} {control}: {open} against {stated}");
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@
 mod bad_files;
 mod base_motion;
 mod cylinder;
+mod every_section;
 mod import_cache;
 mod imported_controllers;
 mod omissions;

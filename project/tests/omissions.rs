@@ -10,7 +10,9 @@ const GOOD: &str = include_str!("data/rig.toml");
 /// Keys whose absence means something else than a value: names, choices, lists.
 fn is_no_quantity(key: &str) -> bool {
     let last = key.rsplit('.').next().unwrap_or(key);
-    key.contains('[') || ["name", "model", "shape", "map"].contains(&last)
+    key.contains('[')
+        || ["name", "model", "shape", "map", "place", "acts", "kind", "curve", "axis", "dynamics"]
+            .contains(&last)
 }
 
 /// Returns every key of a project, and every section, in the order of its file.
@@ -22,7 +24,7 @@ fn paths(project: &Project) -> Vec<String> {
 }
 
 /// Checks what is said of a file without one key or section.
-fn check_omission(document: &Document, path: &str) -> Option<String> {
+pub(crate) fn check_omission(document: &Document, path: &str) -> Option<String> {
     match Project::resolve(document, &Attachments::none()) {
         Ok(parsed) => {
             let physical = path.starts_with("plant.") && !is_no_quantity(path);

@@ -1,6 +1,6 @@
 //! The reading of a project file and the values that are assumed, in words.
 
-use counterpoise_pipeline::check::{CheckResult, PlantOverview};
+use counterpoise_pipeline::check::{CheckResult, OpenFact, PlantOverview};
 use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAtValue};
 use counterpoise_project::diagnostic::MOST_SHOWN;
 use counterpoise_project::{Assumption, KeyTolerance, SectionStatement, ValueStatement};
@@ -33,6 +33,7 @@ pub fn check_lines(found: &CheckResult<String>) -> Vec<String> {
         lines.push(String::new());
     }
     lines.extend(ranking_lines(&found.effects));
+    lines.extend(describe_open_facts(&found.open_facts));
     lines.push(String::new());
     lines.extend(found.warnings.iter().take(MOST_SHOWN).map(ToString::to_string));
     if found.warnings.len() > MOST_SHOWN {
@@ -54,9 +55,15 @@ fn heading(found: &CheckResult<String>) -> String {
 
 /// Returns the plant in sentences.
 fn plant(plant: &PlantOverview) -> Vec<String> {
-    let mode = plant.first_mode_hz.map_or("It is rigid".to_owned(), |hz| {
-        format!("Its first flexible mode, with the hub held, is at {} Hz", short_number(hz))
-    });
+    let mode = match (plant.first_mode_hz, plant.transmission_mode_hz) {
+        (Some(hz), _) => format!("Its first flexible mode, with the hub held, is at {} Hz", short_number(hz)),
+        (None, Some(hz)) => format!(
+            "The structure is rigid; the first flexible mode is that of the {}, {} Hz",
+            plant.transmission,
+            short_number(hz)
+        ),
+        (None, None) => "It is rigid".to_owned(),
+    };
     let (inertia, moment) = (short_number(plant.inertia_kg_m2), short_number(plant.out_of_balance_kg_m));
     let volts = short_number(plant.holding_v);
     let is_balanced = plant.out_of_balance_kg_m == 0.0;
@@ -201,6 +208,17 @@ pub fn ranking_lines(effects: &[AssumptionEffect]) -> Vec<String> {
         )
         .chain(describe_no_effect(effects).map(|line| format!("  {line}")))
         .collect()
+}
+
+/// Returns the facts that are not known and lower the ceiling of the bandwidth, as one sentence; nothing if there is none.
+fn describe_open_facts(facts: &[OpenFact]) -> Option<String> {
+    let ceiling = facts.first()?.ceiling_if_known_rad_s;
+    let keys: Vec<&str> = facts.iter().map(|fact| fact.key.as_str()).collect();
+    Some(format!(
+        "Not known, and each lowers the ceiling of the bandwidth by 3 dB (stated, each raises it to {} rad/s, if nothing else limits): {}.",
+        short_number(ceiling),
+        keys.join(", ")
+    ))
 }
 
 /// Returns whether an assumption that is wrong by its usual range changes a figure of the loop by what two decimals show.

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use counterpoise_pipeline::FirstDesignResult;
 use counterpoise_pipeline::first_design::LimitRow;
 use counterpoise_plot::number::short_number;
-use counterpoise_synth::LimitKind;
+use counterpoise_synth::{LimitKind, Unknown};
 
 use crate::page::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use crate::wording::design_findings::{
@@ -34,7 +34,7 @@ pub fn first_design_section(first: &FirstDesignResult) -> ReportSection {
 
 fn row(limit: &LimitRow) -> Vec<ReportCell> {
     let number =
-        |value: Option<f64>| value.map_or_else(|| ReportCell::text("no limit found"), ReportCell::number);
+        |value: Option<f64>| value.map_or_else(|| ReportCell::text("does not limit"), ReportCell::number);
     let lifted = limit.lifted_rad_s.map_or_else(|| ReportCell::text("no higher"), ReportCell::number);
     vec![
         ReportCell::text(describe_limit(limit.limit)),
@@ -71,6 +71,14 @@ pub fn describe_limitation(first: &FirstDesignResult) -> String {
 pub const WHERE_OPEN_VALUES_STAND: &str =
     "`counterpoise check PROJECT` lists what the file leaves open, the most important first";
 
+/// Returns where the noise comes from that limits the bandwidth, if the file states none, as a clause.
+pub fn describe_usual_noise(first: &FirstDesignResult) -> Option<&'static str> {
+    let is_assumed = first.limited_by.contains(&LimitKind::Noise) && first.unknown.contains(&Unknown::Noise);
+    is_assumed.then_some(
+        "the noise is assumed, that of a usual gyroscope: 0.01 deg/s per root hertz; state `noise` of the sensor",
+    )
+}
+
 fn sentences(first: &FirstDesignResult) -> Vec<String> {
     let mut lines = vec![format!(
         "The project file states no weights, so they are chosen for the highest bandwidth (the lowest frequency at which the loop's gain falls to 1). \
@@ -81,6 +89,9 @@ fn sentences(first: &FirstDesignResult) -> Vec<String> {
     )];
     if first.limited_by.contains(&LimitKind::UsualRanges) {
         lines.push(format!("{WHERE_OPEN_VALUES_STAND}."));
+    }
+    if let Some(noise) = describe_usual_noise(first) {
+        lines.push(format!("Here {noise}."));
     }
     if let Some(asked) = first.asked_rad_s.filter(|asked| *asked > first.bandwidth_rad_s) {
         lines.push(format!("{} rad/s are asked for.", short_number(asked)));
@@ -127,7 +138,7 @@ mod tests {
                 max_sensitivity: 1.7,
             },
             sample_period_s: 1e-3,
-            unknown: vec![counterpoise_synth::Unknown::Sensor],
+            unknown: vec![Unknown::Sensor],
             gain_margin_db: 8.0,
             phase_margin_deg: 50.0,
             max_sensitivity: 1.5,
@@ -146,7 +157,7 @@ mod tests {
             assert!(text.contains(said), "{said}: {text}");
         }
         let rows = &section.tables[0].rows;
-        assert_eq!((rows.len(), &rows[1][2]), (2, &ReportCell::text("no limit found")));
+        assert_eq!((rows.len(), &rows[1][2]), (2, &ReportCell::text("does not limit")));
         assert_eq!((&rows[0][4], &rows[1][4]), (&ReportCell::number(25.0), &ReportCell::text("no higher")));
     }
 }

@@ -8,7 +8,7 @@ use counterpoise_synth::{FirstDesign, LimitKind, Unknown};
 
 use crate::output::say;
 use counterpoise_plot::number::short_number;
-use counterpoise_report::first_design::{WHERE_OPEN_VALUES_STAND, describe_limitation};
+use counterpoise_report::first_design::{WHERE_OPEN_VALUES_STAND, describe_limitation, describe_usual_noise};
 use counterpoise_report::wording::design_findings::{
     describe_design_finding, describe_limit, describe_unknown,
 };
@@ -41,6 +41,9 @@ pub fn print_first_design(loaded: &ProjectOnDisk) {
     print_step(loaded, first);
     if first.bandwidth.limited_by.contains(&LimitKind::UsualRanges) {
         say!("  {WHERE_OPEN_VALUES_STAND}");
+    }
+    if let Some(noise) = describe_usual_noise(&result) {
+        say!("  {noise}");
     }
     for fact in &result.unknown {
         say!("  not known, and lowers the ceiling by 3 dB: {} ({})", describe_unknown(*fact), key(*fact));
@@ -80,7 +83,7 @@ fn print_limits(first: &FirstDesignResult) {
         let rate = |value: Option<f64>, none: &str| {
             value.map_or_else(|| none.to_owned(), |rate| format!("{} rad/s", short_number(rate)))
         };
-        let allows = rate(row.bandwidth_rad_s, "not met");
+        let allows = rate(row.bandwidth_rad_s, "does not limit");
         let lifted = rate(row.lifted_rad_s, "no higher");
         say!("  {:48} {used:>9} {allows:>14} {lifted:>14}", describe_limit(row.limit));
     }

@@ -86,6 +86,11 @@ impl Arithmetic for FixedPointErrors<'_> {
         play_runs(runs, &Coefficients(self.fixed)).into_iter().map(|state| state.voltages_v).collect()
     }
 
+    /// Returns the reading: its rounding is among what rounded coefficients do.
+    fn stored_reading(&self, value: f64) -> f64 {
+        value
+    }
+
     /// Returns what is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has
     /// the sign of the quotient.
     fn rounding_of(&self, line: Line, executed: &ExecutedOperation<'_>) -> OperationRounding {

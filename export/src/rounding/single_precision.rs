@@ -53,6 +53,10 @@ impl Arithmetic for SinglePrecision<'_> {
             .collect()
     }
 
+    fn stored_reading(&self, value: f64) -> f64 {
+        f64::from(value as f32)
+    }
+
     fn rounding_of(&self, _: Line, executed: &ExecutedOperation<'_>) -> OperationRounding {
         let ExecutedOperation { operation, read, written: value, .. } = *executed;
         let square = match operation {
@@ -61,9 +65,11 @@ impl Arithmetic for SinglePrecision<'_> {
             Operation::Product { .. } | Operation::Quotient { .. } => half_unit(value).powi(2),
             Operation::Magnitude { .. } | Operation::Clamp { .. } => 0.0,
         };
-        let known = match state_increment(operation, read) {
-            Some((_, rest)) if square > 0.0 && SMALL_SUMMAND * rest.abs() < value.abs() => {
-                to_grid(rest, 2.0 * half_unit(value))
+        let known = match operation {
+            Operation::Sum { constant, terms, .. } if square > 0.0 => {
+                let is_increment = state_increment(operation, read).is_some();
+                let summands = constant.iter().copied().chain(products(terms, read).skip(1));
+                if is_increment { summands_on_grid(summands, value) } else { 0.0 }
             }
             _ => 0.0,
         };
@@ -130,6 +136,20 @@ impl SinglePrecision<'_> {
             Operation::Clamp { low, high, .. } => low.abs().max(high.abs()),
             _ => 0.0,
         }
+    }
+}
+
+/// Returns the products of a sum.
+fn products<'a>(terms: &'a [ProgramTerm], read: &'a [f64]) -> impl Iterator<Item = f64> + Clone + 'a {
+    terms.iter().zip(read).map(|(term, value)| term.coefficient * value)
+}
+
+/// Returns what rounding adds to the summands of a state that grows to a value: each is added by itself and rounded to the state's grid, so that a
+/// constant one is rounded the same way in every sample whatever the others are. 0 if one of them is not small.
+fn summands_on_grid(summands: impl Iterator<Item = f64> + Clone, value: f64) -> f64 {
+    match summands.clone().all(|summand| SMALL_SUMMAND * summand.abs() < value.abs()) {
+        true => summands.map(|summand| to_grid(summand, 2.0 * half_unit(value))).sum(),
+        false => 0.0,
     }
 }
 

@@ -62,7 +62,8 @@ impl<'a, T: Arithmetic> RunVisitor<Walk<'a>> for TrajectoryVisitor<'a, T> {
     }
 
     fn sample(&self, walk: &mut Walk<'a>, run: &Run, k: usize) {
-        walk.step(&run.readings[k], self.arithmetic);
+        // A difference of readings that are nearly alike is as large as what their rounding changes in it.
+        walk.step(&run.readings[k].map(|value| self.arithmetic.stored_reading(value)), self.arithmetic);
     }
 }
 

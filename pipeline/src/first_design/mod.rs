@@ -101,6 +101,10 @@ fn choose_weights_on(
         }
         found => (found?, None),
     };
+    let first = match has_usual_step(project) {
+        true => with_lifted_step(first, &open_step, pool)?,
+        false => first,
+    };
     let mut stated = asked.clone();
     let chosen = &first.specification;
     stated.specification.feedback = chosen.feedback.clone();
@@ -144,6 +148,32 @@ fn design_that_holds(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesi
         }
         found => found,
     }
+}
+
+/// Returns a first design that is as slow as is asked for, with the bandwidth that it would have otherwise, without a step of the demand that nobody stated.
+fn with_lifted_step(
+    found: FirstDesign,
+    open: &Circumstances,
+    pool: &dyn Pool,
+) -> Result<FirstDesign, PipelineError> {
+    let mut found = found;
+    if found.bandwidth.limited_by != [LimitKind::Asked] || found.bandwidth.unknown.contains(&Unknown::Demand)
+    {
+        return Ok(found);
+    }
+    let free = match first_design_of(&Circumstances { asked_rad_s: None, ..open.clone() }, pool) {
+        Err(SynthesisError::Refused(_)) => return Ok(found),
+        free => free?,
+    };
+    let rate_rad_s = free.bandwidth.bandwidth_rad_s;
+    let rows = found.bandwidth.limits.iter_mut().zip(&mut found.shown_by);
+    for (limit, loops) in rows.filter(|(limit, _)| limit.kind == LimitKind::Asked) {
+        if limit.lifted_rad_s.is_none_or(|lifted| lifted < rate_rad_s) {
+            limit.lifted_rad_s = Some(rate_rad_s);
+            loops.lifted = free.loops.first().cloned();
+        }
+    }
+    Ok(found)
 }
 
 /// Returns whether a first design may be as slow as it is because of a step of the demand that nobody stated: the step takes most of the control.

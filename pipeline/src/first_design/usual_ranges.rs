@@ -16,6 +16,7 @@ use counterpoise_synth::{DesignPlant, LateReading, Unknown, UsualReading};
 
 use super::with_angles;
 use crate::synth::design_plant;
+use crate::tolerance::WHOLE_SAMPLES;
 use crate::{PipelineError, build_plant_model, reduce_plant};
 
 /// Last parts of the keys whose values set modes.
@@ -32,6 +33,8 @@ const USUAL_ROTORS: [f64; 2] = [0.1, 0.5];
 const ROTOR_INERTIA: &str = "plant.motor.inertia";
 /// Key of the delay of the control.
 const CONTROL_DELAY: &str = "plant.interface.output_delay_samples";
+/// Key of the delay of a drive that controls its current.
+const DRIVE_DELAY: &str = "plant.drive.delay";
 /// Order of the approximation of a delay that is usual: its phase is right to 1e-5 rad up to the inverse of the delay.
 const DELAY_ORDER: usize = 3;
 
@@ -69,7 +72,9 @@ impl OpenValues {
         let mut known_absent: Vec<Unknown> = stated.map(|(fact, _)| fact).collect();
         let assumptions = project.assumptions();
         let states_rigid = project.stated_defaults.iter().any(|key| MODES.contains(&last_part(key)));
-        if states_rigid && !assumptions.iter().any(|open| MODES.contains(&last_part(&open.key))) {
+        // Of one body the file may assume that it is rigid, without a range.
+        let is_open = |open: &Assumption| MODES.contains(&last_part(&open.key)) && open.usual.is_some();
+        if states_rigid && !assumptions.iter().any(is_open) {
             known_absent.push(Unknown::Structure);
         }
         let delay = assumptions.iter().find(|assumption| assumption.key == sensor("delay"));
@@ -108,7 +113,7 @@ impl OpenValues {
         })
     }
 
-    /// Returns the plant whose control acts a sample later, if no delay of the control is stated.
+    /// Returns the plant whose control acts later by what is usual, if the delay of the control or that of its drive is not stated.
     ///
     /// # Errors
     /// Those of the sensor.
@@ -117,14 +122,20 @@ impl OpenValues {
         machine: &Parameters,
         nominal: &DesignPlant,
     ) -> Result<Vec<DesignPlant>, PipelineError> {
-        match self.has_open_control_delay(machine) {
-            true => Ok(vec![delay_control(nominal, machine)?]),
-            false => Ok(Vec::new()),
+        match self.open_control_samples(machine) {
+            0 => Ok(Vec::new()),
+            samples => Ok(vec![delay_control(nominal, machine, samples)?]),
         }
     }
 
-    fn has_open_control_delay(&self, machine: &Parameters) -> bool {
-        machine.interface.output_delay_samples == 0 && !self.known_absent.contains(&Unknown::Delay)
+    /// Returns the samples by which the control and its drive usually act later than is stated: each of the two delays is open by itself.
+    fn open_control_samples(&self, machine: &Parameters) -> usize {
+        let latest = |key: &str| {
+            let open = self.assumptions.iter().find(|open| open.key == key);
+            open.and_then(|open| open.usual).map_or(0.0, |[_, latest]| latest)
+        };
+        let of_drive = latest(DRIVE_DELAY) / machine.interface.sample_period_s;
+        (latest(CONTROL_DELAY) + (of_drive - WHOLE_SAMPLES).ceil().max(0.0)) as usize
     }
 
     /// Returns the step of a reading that is known, in the measured unit; 0 if none is.
@@ -192,8 +203,9 @@ impl OpenValues {
             let late = late.collect::<Result<Vec<_>, _>>()?;
             plants.extend(late);
         }
-        if self.has_open_control_delay(machine) {
-            let delayed = plants.iter().map(|plant| delay_control(plant, machine));
+        let samples = self.open_control_samples(machine);
+        if samples > 0 {
+            let delayed = plants.iter().map(|plant| delay_control(plant, machine, samples));
             let delayed = delayed.collect::<Result<Vec<_>, _>>()?;
             plants.extend(delayed);
         }
@@ -220,13 +232,17 @@ fn delay_reading(
     Ok(DesignPlant { late_reading: Some(LateReading { dynamics, delay_s: known_s }), ..plant.clone() })
 }
 
-/// Returns a plant whose control acts a sample later: in a loop of one signal it does not matter where a delay is.
-fn delay_control(plant: &DesignPlant, machine: &Parameters) -> Result<DesignPlant, PipelineError> {
+/// Returns a plant whose control acts some samples later: in a loop of one signal it does not matter where a delay is.
+fn delay_control(
+    plant: &DesignPlant,
+    machine: &Parameters,
+    samples: usize,
+) -> Result<DesignPlant, PipelineError> {
     let late_reading = match plant.late_reading.clone() {
         Some(reading) => reading,
         None => LateReading { dynamics: machine.sensors.hub_gyro.dynamics()?, delay_s: 0.0 },
     };
-    let delay_s = late_reading.delay_s + machine.interface.sample_period_s;
+    let delay_s = late_reading.delay_s + samples as f64 * machine.interface.sample_period_s;
     Ok(DesignPlant { late_reading: Some(LateReading { delay_s, ..late_reading }), ..plant.clone() })
 }
 

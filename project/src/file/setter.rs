@@ -4,6 +4,9 @@ use super::field::{Fallback, Field, TableField};
 use super::lister::Paths;
 use super::visit::{Count, Presence, Visit};
 
+/// Sections of whose keys something is assumed where they are absent.
+const OF_ABSENT_PARTS: [&str; 2] = ["plant.sensors.hub_gyro.", "plant.drive."];
+
 /// A walk that changes the number at one path.
 #[derive(Debug)]
 pub(crate) struct Setter<'p> {
@@ -60,10 +63,14 @@ impl Visit for Setter<'_> {
     fn pairs(&mut self, _field: &Field, _value: &mut Vec<[f64; 2]>) {}
 
     fn enter(&mut self, table: &TableField, presence: Presence) -> bool {
-        if presence == Presence::Present {
+        // What is assumed of an absent part is set as if its section were there.
+        let leads_to_it = || self.path.starts_with(&format!("{}.", self.paths.of(table.key)));
+        let is_assumed = OF_ABSENT_PARTS.iter().any(|part| self.path.starts_with(part)) && leads_to_it();
+        let enters = presence == Presence::Present || is_assumed;
+        if enters {
             self.paths.enter(table.key);
         }
-        presence == Presence::Present
+        enters
     }
 
     fn leave(&mut self) {

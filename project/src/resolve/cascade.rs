@@ -42,13 +42,19 @@ pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut DesignRequest, measured: 
             LoopKind::Position | LoopKind::Cascade => {
                 "must be \"position\" or \"cascade\" with an encoder or a resolver"
             }
+            LoopKind::Rate if synth.loop_kind == LoopKind::Cascade => {
+                "needs an encoder or a resolver: the loop of rate within it is that of the differences of their readings"
+            }
             LoopKind::Rate => "must be \"rate\" with a sensor of rate, and without any sensor",
             LoopKind::Torque => "must be \"torque\" with a torque sensor",
             LoopKind::Current => "must be \"current\" with a current sensor",
         };
         let instead = match synth.loop_kind {
             LoopKind::Rate => "for a rate loop give [plant.sensors] a tachometer or a hub_gyro in its place",
-            LoopKind::Position | LoopKind::Cascade => {
+            LoopKind::Cascade => {
+                "add [plant.sensors.encoder] or resolver, as in `encoder = { counts = 4096 }`"
+            }
+            LoopKind::Position => {
                 "for a loop of position give [plant.sensors.encoder] or resolver, as in `encoder = { counts = 4096 }`"
             }
             LoopKind::Torque => "for a loop of torque give [plant.sensors.torque] in its place",

@@ -227,6 +227,8 @@ fn compliance(findings: &mut Findings<'_>, plant: &Parameters) {
         let written = findings.written_at(path).unwrap_or_else(|| value.to_string());
         let remark = Remark::new(DiagnosticKind::Conflict, path, allowed).with_value(written);
         findings.add(Severity::Error, remark);
+        // The others follow from the same stiffness.
+        return;
     }
 }
 

@@ -170,6 +170,9 @@ fn keys(v: &mut dyn Visit, of: &mut CylinderKeys) {
         "m^3/s/Pa",
         "flow from side to side per load pressure, that of the valve's edges about its centre with it: it damps the load",
     );
+    let leakage = leakage.if_unknown(
+        "a hundredth to a fiftieth of the rated flow at the supply pressure is usual: `rated_flow` times 0.02 over `supply_pressure`",
+    );
     v.number(&leakage, &mut of.leakage_m3_s_pa);
     let mut arm = match of.lever {
         Lever::Constant(arm_m) => Some(arm_m).filter(|arm_m| arm_m.is_finite()),
@@ -190,7 +193,9 @@ fn valve(v: &mut dyn Visit, of: &mut CylinderKeys) {
     let control = "control at which the valve is fully open; it opens no further";
     v.number(&positive("rated_control", "V", control).or(RATED_CONTROL_V), &mut of.rated_control_v);
     let frequency = "natural frequency of the spool with its pilot stage";
-    v.number(&positive("valve_frequency", "rad/s", frequency), &mut of.valve_frequency_rad_s);
+    let frequency = positive("valve_frequency", "rad/s", frequency)
+        .if_unknown("servo valves usually have 50 to 200 Hz, proportional valves 10 to 50 Hz");
+    v.number(&frequency, &mut of.valve_frequency_rad_s);
     let damping = positive("valve_damping", "", "damping ratio of the spool").or(VALVE_DAMPING);
     v.number(&damping, &mut of.valve_damping);
     let overlap = "share of the full opening within which the lands cover the ports and nothing flows";

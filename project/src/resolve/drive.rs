@@ -5,6 +5,7 @@
 
 use counterpoise_models::{Amplifier, AmplifierDynamics, MapPoint, Motor, Parameters, Ripple};
 
+use crate::assumption::{LATEST_USUAL_DRIVE_S, SLOWEST_USUAL_DRIVE_RAD_S};
 use crate::file::field::{Field, NumberRange, TableField, UnitHint, UsualRange};
 use crate::file::visit::{NamedChoice, Presence, Visit, choose};
 use crate::tolerance::WHOLE_DELAY;
@@ -20,6 +21,11 @@ const FULL_V: f64 = 10.0;
 const FULL_SCALE: f64 = 1000.0;
 /// Torque of such a drive if no inertia is stated as a number, N m.
 const UNKNOWN_TORQUE: f64 = 10.0;
+
+/// Largest time constant of the armature that is usual, inductance over resistance, s: that of small servo motors is below a millisecond, that of large ones a few.
+pub(super) const SLOWEST_USUAL_ARMATURE_S: f64 = 5e-3;
+/// Largest lag of a voltage amplifier that is usual, s: a few periods of its switching at a few kilohertz.
+const SLOWEST_USUAL_VOLTAGE_S: f64 = 5e-4;
 
 /// The meaning of a limit in the unit of another kind of drive.
 const OF_CURRENT: UnitHint =
@@ -116,6 +122,17 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
     set(v, plant, takes, &stated);
 }
 
+/// Lists the section of a drive that takes a voltage as a file states it, which becomes an amplifier.
+pub(super) fn list_voltage_drive(v: &mut dyn Visit, plant: &Parameters) {
+    let section = TableField::optional("drive", "a drive that takes a torque, a current or a voltage");
+    if v.enter(&section, Presence::Present) {
+        let mut takes = DriveInput::Voltage;
+        choose(v, &Field::new("kind", "what the drive takes").or_text("torque").show_default(), &mut takes);
+        keys(v, plant, takes);
+        v.leave();
+    }
+}
+
 /// Complains of what a drive needs of its motor and the file does not have.
 fn ask_for_motor(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) {
     // Without a motor, a transmission that has a stiffness asks for the motor first.
@@ -177,6 +194,10 @@ fn takes_of(plant: &Parameters) -> DriveInput {
 
 fn keys(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) -> DriveKeys {
     let mut stated = DriveKeys { limit: plant.amplifier.current_limit_a, ..DriveKeys::NONE };
+    if plant.amplifier.dynamics == AmplifierDynamics::Modelled {
+        (stated.time_constant_s, stated.current_limit_a) =
+            (plant.amplifier.time_constant_s, plant.amplifier.current_limit_a);
+    }
     if let AmplifierDynamics::CurrentLoop { bandwidth_rad_s, delay_s } = plant.amplifier.dynamics {
         (stated.bandwidth_rad_s, stated.delay_s) = (bandwidth_rad_s, delay_s);
     }
@@ -192,9 +213,19 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) -> DriveKeys {
             let limit = limit.with_unit_hints(&[OF_TORQUE, OF_VOLTAGE]);
             v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
             let bandwidth = Field::new("bandwidth", "of the current loop").unit("rad/s").limit(ABOVE_0);
-            v.number(&bandwidth.or(f64::INFINITY), &mut stated.bandwidth_rad_s);
+            let bandwidth = bandwidth.or(f64::INFINITY).with_assumption(
+                "unlimited, as in an ideal drive",
+                "what is left out is ideal; current loops usually have 500 Hz or more",
+                UsualRange::Values(SLOWEST_USUAL_DRIVE_RAD_S, f64::INFINITY),
+            );
+            v.number(&bandwidth, &mut stated.bandwidth_rad_s);
             let delay = Field::new("delay", "of the current loop, taken as whole sample periods, rounded up");
-            v.number(&delay.unit("s").limit(AT_LEAST_0).or(0.0), &mut stated.delay_s);
+            let delay = delay.unit("s").limit(AT_LEAST_0).or(0.0).with_assumption(
+                "none, as in an ideal drive",
+                "what is left out is ideal; drives usually act within 0.2 ms",
+                UsualRange::Values(0.0, LATEST_USUAL_DRIVE_S),
+            );
+            v.number(&delay, &mut stated.delay_s);
         }
         DriveInput::Voltage => {
             let limit = Field::new("limit", "largest voltage, at 10 V of control").unit("V").limit(ABOVE_0);
@@ -205,8 +236,7 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) -> DriveKeys {
             );
             stated.limit = plant.amplifier.bus_voltage_v;
             v.number(&limit, &mut stated.limit);
-            let lag = Field::new("time_constant", "lag of the voltage").unit("s").limit(AT_LEAST_0).or(0.0);
-            v.number(&lag, &mut stated.time_constant_s);
+            v.number(&voltage_lag("lag of the voltage"), &mut stated.time_constant_s);
             current_limit(v, &mut stated.current_limit_a);
         }
     }
@@ -214,6 +244,15 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) -> DriveKeys {
     dead_zone(v, &mut stated.dead_zone_v);
     map(v, &mut stated.map);
     stated
+}
+
+/// Returns the key of the lag of a voltage.
+fn voltage_lag(meaning: &'static str) -> Field {
+    Field::new("time_constant", meaning).unit("s").limit(AT_LEAST_0).or(0.0).with_assumption(
+        "none, as in an ideal amplifier",
+        "what is left out is ideal; amplifiers usually lag by 0.5 ms or less",
+        UsualRange::Values(0.0, SLOWEST_USUAL_VOLTAGE_S),
+    )
 }
 
 fn current_limit(v: &mut dyn Visit, current_limit_a: &mut f64) {
@@ -306,8 +345,7 @@ fn amplifier(v: &mut dyn Visit, amplifier: &mut Amplifier) {
     v.number(&gain, &mut amplifier.gain);
     let feedback = Field::new("current_feedback", "current feedback").unit("V/A").limit(AT_LEAST_0).or(0.0);
     v.number(&feedback, &mut amplifier.current_feedback_v_a);
-    let lag = Field::new("time_constant", "lag").unit("s").limit(AT_LEAST_0).or(0.0);
-    v.number(&lag, &mut amplifier.time_constant_s);
+    v.number(&voltage_lag("lag"), &mut amplifier.time_constant_s);
     let input = Field::new("input_limit", "input is clipped to +/- this").unit("V").limit(ABOVE_0);
     v.number(&input.or(f64::INFINITY), &mut amplifier.input_limit_v);
     let bus = Field::new("bus_voltage", "output is clipped to +/- this").unit("V").limit(ABOVE_0);

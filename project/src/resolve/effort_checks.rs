@@ -19,7 +19,7 @@ pub(super) fn check_effort_loop(findings: &mut Findings<'_>, project: &Project) 
     let missing = match plant.sensors.measured {
         FeedbackSignal::Torque if plant.gearbox.is_rigid() => Some((
             "measures the torque of a transmission that gives, and this one is rigid",
-            "state its stiffness (that of the sensor itself if the rest is stiff) and the inertia of the motor: gearbox = { ratio = 1.0, stiffness = ... } and motor = { inertia = ... }",
+            "state plant.gearbox.stiffness, or that of another transmission (that of the sensor itself if the rest is stiff), and the inertia of the motor: gearbox = { ratio = 1.0, stiffness = ... } and motor = { inertia = ... }",
         )),
         FeedbackSignal::Current => no_current(plant),
         _ => None,

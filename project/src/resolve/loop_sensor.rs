@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use super::axis_words::{Words, turning_of_motor};
 use super::digits::shortest_that_gives;
-use super::sensor::{IDEAL_SCALE, gyroscope, sensor};
+use super::sensor::{self, IDEAL_SCALE, SensorKind, gyroscope, sensor};
 use crate::file::field::{Field, NumberRange, TableField, UsualRange};
 use crate::file::visit::{NamedChoice, Presence, Visit, choose};
 
@@ -50,11 +50,13 @@ const PLACE: Field = Field::new(
 )
 .or_text("load");
 
+/// Keys of a gyroscope that is not stated.
+const OF_GYROSCOPE: [&str; 3] = ["hub_gyro.noise", "hub_gyro.delay", "hub_gyro.natural_frequency"];
+
 /// Reads or lists the loop's sensor.
 pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
-    let (axis, measured) = (plant.axis, plant.sensors.measured);
+    let (axis, measured, mut found) = (plant.axis, plant.sensors.measured, 0);
     let digital = plant.sensors.hub_gyro.resolution > 0.0;
-    let mut found = 0;
     let gyro = TableField::optional("hub_gyro", "inertial rate of the hub");
     let there = measured == FeedbackSignal::HubRate && plant.sensors.hub_gyro != UNKNOWN;
     if Words::of(axis, v).enter(&gyro, Presence::from(there)) {
@@ -101,13 +103,31 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     }
     found += efforts(&mut Words::of(axis, v), plant, found);
     not_alone(&mut Words::of(axis, v));
-    if found > 1 {
-        v.complain(
-            "",
-            "must have one sensor of the loop: hub_gyro, tachometer, encoder, resolver, torque or current",
-            Some("remove all of these but one; other sensors of the machine are motor_tachometer, hub_resolver and those of the platform".to_owned()),
-        );
+    if found == 0 {
+        assume_gyroscope(&mut Words::of(axis, v), OF_GYROSCOPE);
     }
+    if found > 1 {
+        refuse_several(v);
+    }
+}
+
+/// Notes what is assumed of the gyroscope of a loop of which no sensor is stated, given the paths of its noise, delay and natural frequency.
+pub(super) fn assume_gyroscope(v: &mut dyn Visit, [noise, delay, natural_frequency]: [&'static str; 3]) {
+    let field = Field::new(noise, "RMS of the noise, white at the sample rate").unit("rad/s");
+    let source = "what is left out is ideal; a first design takes 0.01 deg/s per root hertz";
+    v.assume(&field.with_assumption("none, as in an ideal gyroscope", source, UsualRange::Unknown), 0.0);
+    v.assume(&Field { key: delay, ..sensor::delay(SensorKind::Gyroscope) }, 0.0);
+    let frequency = sensor::natural_frequency(SensorKind::Gyroscope);
+    v.assume(&Field { key: natural_frequency, ..frequency }, f64::INFINITY);
+}
+
+/// Reports that the loop has more than one sensor.
+fn refuse_several(v: &mut dyn Visit) {
+    v.complain(
+        "",
+        "must have one sensor of the loop: hub_gyro, tachometer, encoder, resolver, torque or current",
+        Some("remove all of these but one; other sensors of the machine are motor_tachometer, hub_resolver and those of the platform".to_owned()),
+    );
 }
 
 /// Reports a gyroscope on a slide, which does not turn.

@@ -48,7 +48,7 @@ mod weight;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use counterpoise_models::Parameters;
+use counterpoise_models::{AmplifierDynamics, Parameters};
 use counterpoise_recordings::Mapping;
 
 use crate::assumption::{Assumption, KeyTolerance};
@@ -160,7 +160,7 @@ impl Project {
         }
         diagnostic::sort(&mut findings);
         section_hints::hint_at_sections(&mut findings);
-        section_hints::drop_consequences(&mut findings);
+        section_hints::drop_consequences(document, &mut findings);
         let (errors, warnings): (Vec<_>, Vec<_>) =
             findings.into_iter().partition(|d| d.severity == Severity::Error);
         if errors.is_empty() { Ok(ParsedProject { project, warnings, assumptions }) } else { Err(errors) }
@@ -258,10 +258,19 @@ impl Project {
 
     /// Returns the project with the number at a path replaced; `None` if no number stands there.
     pub fn with_number(&self, path: &str, value: f64) -> Option<Self> {
-        let mut changed = self.clone();
-        let mut setter = Setter::new(path, value);
-        file(&mut setter, &mut changed);
-        setter.is_set.then_some(changed)
+        let set = |path: &str| {
+            let mut changed = self.clone();
+            let mut setter = Setter::new(path, value);
+            file(&mut setter, &mut changed);
+            setter.is_set.then_some(changed)
+        };
+        // A drive that takes a voltage has become an amplifier.
+        let of_amplifier = path.strip_prefix("plant.drive.").map(|key| format!("plant.amplifier.{key}"));
+        let is_amplifier = self.plant.amplifier.dynamics == AmplifierDynamics::Modelled;
+        match of_amplifier.filter(|_| is_amplifier) {
+            Some(path) => set(&path),
+            None => set(path),
+        }
     }
 
     fn lines(&self) -> Vec<Line> {

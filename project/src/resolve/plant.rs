@@ -19,6 +19,9 @@ use crate::tolerance::{MOST_CONTROL_DELAY_SAMPLES, MOST_CONVERTER_BITS, MOST_ERR
 const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
 const ABOVE_0: NumberRange = NumberRange::Above(0.0);
 
+/// Advice where an inertia stands on a linear axis.
+const MASS_IN_PLACE_OF_INERTIA: &str = "write the moving mass as `mass`, and the inertia of a rotor as [plant.motor] inertia; a hub that turns needs axis = \"rotary\"";
+
 /// Returns a mechanism still to be read.
 pub(crate) fn blank_parameters() -> Parameters {
     Parameters {
@@ -86,6 +89,10 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
         &mut plant.gravity_m_s2,
     );
     let axis = plant.axis;
+    if axis == AxisKind::Linear && v.has("inertia") {
+        let allowed = "belongs to an axis that turns: what slides has a mass";
+        v.complain("inertia", allowed, Some(MASS_IN_PLACE_OF_INERTIA.to_owned()));
+    }
     one_inertia(&mut Words::of(axis, v), &mut plant.lumped);
     visit_optional(
         v,
@@ -163,6 +170,12 @@ fn one_inertia(v: &mut dyn Visit, lumped: &mut Option<LumpedStructure>) {
     maybe_number(v, &field.limit(ABOVE_0), &mut inertia);
     if let Some(inertia) = inertia {
         *lumped = Some(LumpedStructure::rigid(inertia));
+        let stiffness = Field::new("lumped.stiffness", "of the structure").unit("N m/rad").with_assumption(
+            "rigid: one body",
+            "what is left out is ideal; a first design stays slower, because every structure yields",
+            UsualRange::Unknown,
+        );
+        v.assume(&stiffness, f64::INFINITY);
     }
 }
 
@@ -225,8 +238,8 @@ fn motor(v: &mut dyn Visit, motor: &mut Motor) {
     let inductance = Field::new("inductance", "of the armature").unit("H").limit(AT_LEAST_0).or(0.0);
     let inductance = inductance.with_assumption(
         "0: the current follows the voltage at once",
-        "most servo motors' electrical time constants are below their loops' periods",
-        UsualRange::Unknown,
+        "what is left out is ideal; the electrical time constants of servo motors are usually up to 5 ms",
+        UsualRange::Values(0.0, drive::SLOWEST_USUAL_ARMATURE_S * motor.resistance_ohm),
     );
     v.number(&inductance, &mut motor.inductance_h);
     let coupling = Field::new("platform_coupling", "sense in which the platform turns the rotor: -1, 0 or 1");
@@ -282,6 +295,8 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
     let there = plant.sensors != blank_parameters().sensors;
     if !v.enter(&TableField::optional("sensors", "sensors"), Presence::from(there)) {
         plant.sensors = blank_parameters().sensors;
+        let keys = ["sensors.hub_gyro.noise", "sensors.hub_gyro.delay", "sensors.hub_gyro.natural_frequency"];
+        loop_sensor::assume_gyroscope(&mut Words::of(plant.axis, v), keys);
         return;
     }
     loop_sensor::loop_sensor(v, plant);

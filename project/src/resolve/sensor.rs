@@ -2,7 +2,10 @@
 
 use counterpoise_models::{Drift, Sensor};
 
-use crate::assumption::{LATEST_USUAL_COUNT_S, LATEST_USUAL_READING_S};
+use crate::assumption::{
+    LATEST_USUAL_COUNT_S, LATEST_USUAL_READING_S, SLOWEST_USUAL_COUNT_RAD_S, SLOWEST_USUAL_GYROSCOPE_RAD_S,
+    SLOWEST_USUAL_READING_RAD_S,
+};
 use crate::file::field::{Field, NumberRange, UsualRange};
 use crate::file::visit::Visit;
 use crate::tolerance::MOST_TILT_RAD;
@@ -26,10 +29,13 @@ fn units_of(measured: &'static str) -> (&'static str, &'static str) {
 
 /// Reads or lists what every sensor has: its dynamics, scale, noise and errors. `unit` is that of the measured quantity.
 pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str) {
+    let kind = SensorKind::of(sensor, unit);
+    sensor_of_kind(v, sensor, unit, kind);
+}
+
+fn sensor_of_kind(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str, kind: SensorKind) {
     let (scale_unit, per_acceleration) = units_of(unit);
-    let frequency =
-        Field::new("natural_frequency", "natural frequency of the sensor").unit("rad/s").limit(ABOVE_0);
-    v.number(&frequency.or(f64::INFINITY), &mut sensor.natural_frequency_rad_s);
+    v.number(&natural_frequency(kind), &mut sensor.natural_frequency_rad_s);
     v.number(
         &Field::new("damping_ratio", "damping ratio of the sensor").limit(ABOVE_0).or(0.7),
         &mut sensor.damping_ratio,
@@ -48,22 +54,7 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
         &mut sensor.gain,
     );
     v.number(&Field::new("bias", "constant error of the reading").unit(unit).or(0.0), &mut sensor.bias);
-    let (source, latest_s) = if sensor.resolution > 0.0 || unit == "A" {
-        (
-            "what is left out is ideal; encoders and current sensors are usually up to 0.1 ms late",
-            LATEST_USUAL_COUNT_S,
-        )
-    } else {
-        ("what is left out is ideal; digital sensors are usually up to 2 ms late", LATEST_USUAL_READING_S)
-    };
-    v.number(
-        &Field::new("delay", "delay of the reading").unit("s").limit(AT_LEAST_0).or(0.0).with_assumption(
-            "none, as in an ideal sensor",
-            source,
-            UsualRange::Values(0.0, latest_s),
-        ),
-        &mut sensor.delay_s,
-    );
+    v.number(&delay(kind), &mut sensor.delay_s);
     v.number(
         &Field::new("g_sensitivity", "error of the reading per m/s^2 of heave")
             .unit(per_acceleration)
@@ -78,9 +69,68 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
     );
 }
 
+/// The kinds of sensors of which different lags are usual.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum SensorKind {
+    /// A gyroscope, which filters.
+    Gyroscope,
+    /// An encoder or a current sensor, whose readings come at once.
+    Counter,
+    /// Any other.
+    Other,
+}
+
+impl SensorKind {
+    fn of(sensor: &Sensor, unit: &'static str) -> Self {
+        if sensor.resolution > 0.0 || unit == "A" { Self::Counter } else { Self::Other }
+    }
+}
+
+/// Returns the key of a sensor's natural frequency, with what is usual for its kind.
+pub(super) fn natural_frequency(kind: SensorKind) -> Field {
+    let (source, slowest) = match kind {
+        SensorKind::Gyroscope => (
+            "what is left out is ideal; gyroscopes usually have 100 Hz or more",
+            SLOWEST_USUAL_GYROSCOPE_RAD_S,
+        ),
+        SensorKind::Counter => (
+            "what is left out is ideal; encoders and current sensors usually have 1 kHz or more",
+            SLOWEST_USUAL_COUNT_RAD_S,
+        ),
+        SensorKind::Other => (
+            "what is left out is ideal; tachometers, resolvers and torque sensors usually have 300 Hz or more",
+            SLOWEST_USUAL_READING_RAD_S,
+        ),
+    };
+    let frequency = Field::new("natural_frequency", "natural frequency of the sensor").unit("rad/s");
+    frequency.limit(ABOVE_0).or(f64::INFINITY).with_assumption(
+        "unlimited, as in an ideal sensor",
+        source,
+        UsualRange::Values(slowest, f64::INFINITY),
+    )
+}
+
+/// Returns the key of a sensor's delay, with what is usual.
+pub(super) fn delay(kind: SensorKind) -> Field {
+    let (source, latest_s) = match kind {
+        SensorKind::Counter => (
+            "what is left out is ideal; encoders and current sensors are usually up to 0.1 ms late",
+            LATEST_USUAL_COUNT_S,
+        ),
+        SensorKind::Gyroscope | SensorKind::Other => {
+            ("what is left out is ideal; digital sensors are usually up to 2 ms late", LATEST_USUAL_READING_S)
+        }
+    };
+    Field::new("delay", "delay of the reading").unit("s").limit(AT_LEAST_0).or(0.0).with_assumption(
+        "none, as in an ideal sensor",
+        source,
+        UsualRange::Values(0.0, latest_s),
+    )
+}
+
 /// Reads or lists a rate gyroscope: what every sensor has, and what it reads about other axes.
 pub(super) fn gyroscope(v: &mut dyn Visit, gyro: &mut Sensor) {
-    sensor(v, gyro, "rad/s");
+    sensor_of_kind(v, gyro, "rad/s", SensorKind::Gyroscope);
     let per_rate = |key, meaning| Field::new(key, meaning).unit("rad").or(0.0);
     let about = "reading per inertial rate about the forward axis of what carries it: the angle of a misalignment, or a cross-axis sensitivity";
     v.number(&per_rate("roll_sensitivity", about), &mut gyro.alignment.roll_sensitivity);

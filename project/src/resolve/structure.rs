@@ -311,7 +311,12 @@ pub(crate) fn lumped_inertias(v: &mut dyn Visit, lumped: &mut LumpedStructure) {
     v.number(&BEAM_INERTIA, &mut lumped.beam_inertia_kg_m2);
     let stiffness = assumed_rigid(STIFFNESS, SOFT_BEAM_HZ, lumped.beam_inertia_kg_m2);
     v.number(&stiffness, &mut lumped.stiffness_nm_rad);
-    v.number(&as_usual(DAMPING.or(usual_damping(lumped))), &mut lumped.damping_nm_s_rad);
+    // Of one body there is nothing that the rule of the damping could speak of.
+    let damping = match lumped.is_rigid() {
+        true => DAMPING.or(0.0),
+        false => as_usual(DAMPING.or(usual_damping(lumped))),
+    };
+    v.number(&damping, &mut lumped.damping_nm_s_rad);
     v.number(&OUT_OF_BALANCE, &mut lumped.out_of_balance_kg_m);
     v.number(&VERTICAL_OFFSET, &mut lumped.vertical_offset_kg_m);
     v.number(&POSITION_STIFFNESS, &mut lumped.position_stiffness_nm_rad);

@@ -85,6 +85,9 @@ fn hint_at_word(name: &str) -> Option<&'static str> {
         "mil" | "mils" => {
             Some("a mil has several sizes: one of 6400 to the turn is 0.98175 mrad, one of an inch 0.0254 mm")
         }
+        "sqrt" | "rthz" | "rt" => Some(
+            "a noise density is the angle random walk of a sensor: write it as `angle_random_walk`, the same number in deg/s, in place of `noise`",
+        ),
         "grad" => Some("write deg for degrees, or gon for the 400th part of a turn"),
         _ => None,
     }

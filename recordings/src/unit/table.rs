@@ -69,6 +69,11 @@ const fn si(name: &'static str, dimension: [i32; BASES]) -> NamedUnit {
     NamedUnit { prefixes: PrefixRule::Taken, ..unit(name, 1.0, 0, dimension) }
 }
 
+/// Returns a power of ten of a coherent SI unit, which takes prefixes.
+const fn decimal_multiple(name: &'static str, exponent: i32, dimension: [i32; BASES]) -> NamedUnit {
+    NamedUnit { prefixes: PrefixRule::Taken, ..unit(name, 1.0, exponent, dimension) }
+}
+
 /// Returns a unit of mass, whose name also stands for the weight of that mass under standard gravity.
 const fn mass(name: &'static str, factor: f64, exponent: i32) -> NamedUnit {
     let weight = UnitMeaning { factor: factor * STANDARD_GRAVITY, exponent, dimension: FORCE };
@@ -107,6 +112,10 @@ pub const UNITS: &[NamedUnit] = &[
     unit("foot", 3048.0, -4, base(1, 0, 0, 0)),
     unit("feet", 3048.0, -4, base(1, 0, 0, 0)),
     unit("cc", 1.0, -6, base(3, 0, 0, 0)),
+    decimal_multiple("l", -3, base(3, 0, 0, 0)),
+    decimal_multiple("L", -3, base(3, 0, 0, 0)),
+    unit("litre", 1.0, -3, base(3, 0, 0, 0)),
+    unit("liter", 1.0, -3, base(3, 0, 0, 0)),
     NamedUnit {
         prefixes: PrefixRule::Taken,
         weight: Some(UnitMeaning { factor: STANDARD_GRAVITY, exponent: 0, dimension: base(1, 0, -2, 0) }),

@@ -253,6 +253,12 @@ pub fn describe_unknown(unknown: Unknown) -> &'static str {
     }
 }
 
+/// Returns whether no loop at all keeps the share of the control that noise or quantisation may take.
+fn is_drive_too_weak(limits: &[BandwidthLimit]) -> bool {
+    let is_of_readings = |kind| matches!(kind, LimitKind::Noise | LimitKind::Quantisation);
+    limits.iter().any(|limit| is_of_readings(limit.kind) && limit.bandwidth_rad_s == 0.0)
+}
+
 /// Returns what the designer can do about a cause.
 pub fn suggest_remedy(cause: &Cause) -> &'static str {
     match cause {
@@ -334,6 +340,9 @@ fn suggest_remedy_in_plant(cause: &PlantCause) -> &'static str {
         PlantCause::NoiseReachesCost { .. } => "let the noise pass a filter, or the weighted output one",
         PlantCause::NoBoundReached { .. } => {
             "look for a mode on the axis that no control reaches or no measurement shows"
+        }
+        PlantCause::NoBandwidth { limits } if is_drive_too_weak(limits) => {
+            "the drive is too weak for the noise or the steps of the readings, stated or usual: raise plant.drive.limit, state a quieter sensor (a gyroscope that is not stated is taken with 0.01 deg/s per root hertz), or check the inertia"
         }
         PlantCause::NoBandwidth { .. } => {
             "sample faster, remove delay, or lower the margins that are required; a loop of position keeps more phase as a cascade (synth.loop = \"cascade\"); a plant with an unstable pole needs twice its rate as bandwidth"

@@ -15,7 +15,7 @@ use crate::bandwidth::{BandwidthLimit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
 use crate::modes::{light_modes, shifted_modes};
-use crate::tolerance::{CAUTION, CEILING, HIGHER_BANDWIDTH, LARGEST_EXCESS};
+use crate::tolerance::{CAUTION, CEILING, HIGHER_BANDWIDTH, LARGEST_EXCESS, MOST_DESIGNS};
 use crate::{Error, FeedbackWeights, LightModes, Reference, design_feedback};
 use counterpoise_pool::Pool;
 
@@ -127,6 +127,10 @@ pub(super) struct Scan<'a> {
     /// Factor by which the bandwidth of a loop may rise above it.
     pub rise_above: f64,
     pub pool: &'a dyn Pool,
+    /// Feedbacks that were designed, also those that are forgotten.
+    designs: usize,
+    /// Feedbacks that are designed at most before a search ends with what it has.
+    most_designs: usize,
     /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none, its loop is not stable or, where one
     /// miss is too many, its sensitivity is seen to be too large.
     attempts: BTreeMap<(u64, usize), Option<TriedFeedback>>,
@@ -147,6 +151,8 @@ impl<'a> Scan<'a> {
         let judge = Judge::new(circumstances, &neighbours)?;
         let attempts = BTreeMap::new();
         Ok(Self {
+            designs: 0,
+            most_designs: MOST_DESIGNS,
             circumstances,
             judge,
             gain,
@@ -161,6 +167,16 @@ impl<'a> Scan<'a> {
             attempts,
             ahead: BTreeMap::new(),
         })
+    }
+
+    /// Sets the designs that are allowed from here on to a share, as for one of several searches after the first.
+    pub fn limit_designs_to(&mut self, share: f64) {
+        self.most_designs = self.designs + (share * self.most_designs as f64) as usize;
+    }
+
+    /// Returns whether the search may design more feedbacks. Work is counted and not timed, so that the same file gives the same answer on every machine.
+    pub fn may_design_more(&self) -> bool {
+        self.designs < self.most_designs
     }
 
     /// Returns the ceiling that sample rate, ignorance and what was asked for set, rad/s.
@@ -295,6 +311,7 @@ impl<'a> Scan<'a> {
             Some(judged) => judged?,
             None => self.judge_aim(aim_rad_s, shape)?,
         };
+        self.designs += 1;
         self.attempts.insert(key, found.clone());
         Ok(found)
     }

@@ -88,8 +88,8 @@ impl Scan<'_> {
         // Where a wide variation does not help, a narrow one hardly does.
         let [wide, narrow] = VARIATIONS;
         if self.vary(wide)? {
-            while self.vary(wide)? {}
-            while self.vary(narrow)? {}
+            while self.may_design_more() && self.vary(wide)? {}
+            while self.may_design_more() && self.vary(narrow)? {}
         }
         self.judge_by(Thoroughness::Everything);
         Ok(())
@@ -177,7 +177,7 @@ impl Scan<'_> {
         upcoming: impl Fn(f64) -> Vec<Candidate>,
     ) -> Result<(), Error> {
         let mut aim = highest_rad_s;
-        while ABOVE_AIM * aim > self.best_bandwidth() && aim > lowest_rad_s {
+        while ABOVE_AIM * aim > self.best_bandwidth() && aim > lowest_rad_s && self.may_design_more() {
             for (k, shape) in shapes.clone().enumerate() {
                 self.look_ahead(upcoming(aim).into_iter().skip(k));
                 self.improve(aim, shape)?;
