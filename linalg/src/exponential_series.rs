@@ -109,7 +109,7 @@ impl HeldInput {
     /// # Errors
     /// An exponential that overflows.
     pub(crate) fn square_repeatedly(self, squarings: i32) -> Result<Self, Error> {
-        let (mut power, mut Gamma) = (self.transition.for_squarings(squarings), self.Gamma);
+        let (mut power, mut Gamma) = (self.transition.prepare_squarings(squarings), self.Gamma);
         for _ in 0..squarings {
             Gamma = &Gamma + &(&power.Phi * &Gamma);
             power = power.square();

@@ -30,7 +30,7 @@ impl Transition {
     }
 
     /// Returns the exponential without its change if `squarings`, all that follow, are few.
-    pub(crate) fn for_squarings(self, squarings: i32) -> Self {
+    pub(crate) fn prepare_squarings(self, squarings: i32) -> Self {
         Self { change: self.change.filter(|_| has_many(squarings)), ..self }
     }
 

@@ -501,6 +501,49 @@ def c_any(make):
     return made
 
 
+def n_stiff(r):
+    """Rates over a dozen decades: lags of their own, triangles, and states that act back weakly or with the root of both rates, in other units."""
+    n = int(r.integers(2, 6))
+    rates = 10.0 ** r.uniform(-3, 9, n)
+    form = r.integers(0, 4)
+    A = [np.zeros((n, n)), np.triu(r.uniform(-1, 1, (n, n)) * 10.0 ** r.uniform(-3, 3, (n, n)), 1), r.uniform(-1, 1, (n, n)),
+         np.sqrt(np.outer(rates, rates)) * r.uniform(-0.3, 0.3, (n, n))][form]
+    np.fill_diagonal(A, -rates if form != 2 else -10.0 ** r.uniform(0, 10, n))
+    d = 10.0 ** r.uniform(-6, 6, n) if form == 3 and r.random() < 0.5 else np.ones(n)
+    return dict(A=A * d[:, None] / d, B=r.uniform(-1, 1, (n, 1)) * d[:, None], C=r.uniform(-1, 1, (1, n)) / d, D=np.zeros((1, 1)))
+
+
+def c_stiff(r):
+    """A stiff plant over about the time of its slowest state."""
+    p = n_stiff(r)
+    slowest = np.abs(np.diag(p['A'])).min()
+    h = float(10.0 ** r.uniform(-1, 1) / slowest)
+    if r.random() < 0.3:
+        return dict(p, h=h, delay=float(h * r.uniform(0, 3)), method='zoh', kind='c2d_delayed')
+    return dict(p, h=h, method=str(r.choice(['zoh', 'foh'])), kind='c2d')
+
+
+def k_units(r):
+    """The same as k_minimal, or lags some of which are out of reach or out of sight, in units up to 2^40 either way, exact."""
+    p = k_minimal(r)
+    if r.random() < 0.5:
+        n = int(r.integers(2, 8))
+        reach, sight = r.integers(0, 4, n) > 0, r.integers(0, 4, n) > 0
+        p = dict(A=-np.diag(r.permutation(np.arange(1.0, n + 1))), B=(reach * r.integers(1, 5, n))[:, None].astype(float),
+                 C=(sight * r.integers(1, 5, n))[None].astype(float), D=np.zeros((1, 1)), kind='minimal')
+    d = 2.0 ** r.integers(-40, 41, len(p['A']))
+    return dict(p, A=p['A'] * d[:, None] / d, B=p['B'] * d[:, None], C=p['C'] / d)
+
+
+def z_far(r):
+    """Lags whose residues sum to a share of 1e-3 to 1e-12 of themselves: a zero that far away."""
+    n = int(r.integers(2, 5))
+    c = r.integers(1, 1000, n) / 64.0
+    c[-1] = -c[:-1].sum() * (1 - 10.0 ** r.uniform(-11.5, -3))
+    d = 2.0 ** r.integers(-30, 31, n) if r.random() < 0.5 else np.ones(n)
+    return dict(A=-np.diag(r.permutation(np.arange(1.0, n + 1))), B=d[:, None], C=(c / d)[None], D=np.zeros((1, 1)), kind='zeros')
+
+
 def c_delay(make):
     def made(r):
         p = dict(make(r))
@@ -560,7 +603,7 @@ FAMILIES = {
     'lyap': dict(mixed=l_mixed, near=l_near, defective=l_defective, integrators=l_integrators),
     'dlyap': dict(mixed=dl_mixed, slow=dl_slow),
     'zeros': dict(long=s_long, issue=s_issue, direct=s_direct, light=s_light, sampled=sampled(s_dense), planted=z_planted, square=z_square,
-                  structure=z_structure),
+                  structure=z_structure, far=z_far),
     'margins': dict(issue=m_issue, delay_line=m_delay_line, direct=s_direct, light=s_light, sampled=sampled(s_dense), long=s_long,
                     **margin_families.FAMILIES),
     'delayed': dict(lags=with_delay(t_lag), modes=with_delay(t_modes)),
@@ -568,7 +611,7 @@ FAMILIES = {
                   error=of_kind('bounds', n_error), sampled=of_kind('bounds', n_sampled)),
     'mh2': dict(dense=of_kind('mh2', without_direct(n_dense)), graded=of_kind('mh2', without_direct(n_graded)),
                 modes=of_kind('mh2', n_modes), sampled=of_kind('mh2', n_sampled), integrators=h2_integrators),
-    'c2d': dict(dense=c_any(n_dense), graded=c_any(n_graded), modes=c_any(n_modes), delayed=c_delay(n_dense), delayed_modes=c_delay(n_modes)),
+    'c2d': dict(dense=c_any(n_dense), graded=c_any(n_graded), modes=c_any(n_modes), delayed=c_delay(n_dense), delayed_modes=c_delay(n_modes), stiff=c_stiff),
     'balred': dict(dense=b_stable(n_dense), graded=b_stable(n_graded), modes=b_stable(n_modes), rigid=b_rigid),
-    'minimal': dict(kalman=k_minimal),
+    'minimal': dict(kalman=k_minimal, units=k_units),
 }
