@@ -36,3 +36,6 @@ pub(crate) const DECADE: f64 = 10.0;
 
 /// Distance of a pole's modulus from 1 below which it is written as a distance: six decimals show fewer than three digits of it.
 pub(crate) const SHOWN_DISTANCE: f64 = 1e-4;
+
+/// Share of what is measured that a reading may still show where it counts as none.
+pub(crate) const NO_READING: f64 = 0.1;
