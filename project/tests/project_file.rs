@@ -130,7 +130,13 @@ fn unusual() -> Parameters {
     let lumped: &mut LumpedStructure = plant.lumped.as_mut().unwrap();
     (lumped.position_stiffness_nm_rad, lumped.position_stiffness_centre_rad) = (900.0, -0.04);
     lumped.vertical_offset_kg_m = 3.0;
-    plant.learned = vec![
+    plant.learned = free_functions(&plant);
+    plant
+}
+
+/// Free functions at two joints and at the sensor of a machine's loop.
+fn free_functions(plant: &Parameters) -> Vec<LearnedElement> {
+    vec![
         LearnedElement {
             name: "tight spot".to_owned(),
             place: LearnedPlace::Pivot,
@@ -141,6 +147,18 @@ fn unusual() -> Parameters {
             values: vec![1.0, 1.4, 1.1],
             half_width: vec![0.1, 0.02, 0.2],
             coverage: vec![0.25, 0.5, 0.25],
+            ..LearnedElement::default()
+        },
+        LearnedElement {
+            values: vec![2e-3, 0.0, -2e-3],
+            interpolation: Interpolation::Linear,
+            measured: plant.sensors.measured,
+            ..LearnedElement::neutral(
+                LearnedPlace::LoopSensor,
+                LearnedQuantity::Error,
+                RegimeVariable::Reading,
+                vec![-2e-3, 0.0, 2e-3],
+            )
         },
         LearnedElement {
             values: vec![0.01, -0.01],
@@ -151,8 +169,7 @@ fn unusual() -> Parameters {
                 vec![0.0, 3.0],
             )
         },
-    ];
-    plant
+    ]
 }
 
 #[test]

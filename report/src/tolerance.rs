@@ -42,3 +42,5 @@ pub(crate) const WORTH_A_WORD_PERCENT: f64 = 1.0;
 
 /// A tuned PI that leaves less than a design by less than this share is not worth a word: it is within what friction changes.
 pub(crate) const PI_WORTH_A_WORD: f64 = 0.02;
+/// Share of what is measured that a reading may still show where it counts as none.
+pub(crate) const NO_READING: f64 = 0.1;

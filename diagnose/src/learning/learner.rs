@@ -90,6 +90,13 @@ struct TriedPlace {
     log_likelihood_gain: f64,
 }
 
+/// Values of a sensor's error that other sensors show.
+struct ShownStart {
+    values: Vec<f64>,
+    /// Share of the residual's power that they remove.
+    share: f64,
+}
+
 /// Free functions that were fitted, with what each gains.
 pub(crate) struct FittedFunctions {
     pub learned: FunctionFit,
@@ -267,7 +274,36 @@ impl LearningTask<'_> {
         let slopes = problem.slopes(&element.values, assessed)?;
         let held_out = HeldOutEquations::new(&slopes, assessed);
         let shares = ROUGHNESS.iter().map(|rough| held_out.share(&element, &element.values, *rough));
-        Some(shares.fold(f64::NEG_INFINITY, f64::max))
+        let shown =
+            self.shown_start(context, &element, assessed).map_or(f64::NEG_INFINITY, |shown| shown.share);
+        Some(shares.fold(shown, f64::max))
+    }
+
+    /// Returns the values that redundant sensors show of an element, and the share of the residual's power that they remove; `None` if no
+    /// sensor shows them.
+    fn shown_start(
+        &self,
+        context: &TemplateContext,
+        element: &LearnedElement,
+        assessed: &[Assessment],
+    ) -> Option<ShownStart> {
+        let values = context.shown_form(element)?.values(&element.points);
+        let mut machine = context.base.clone();
+        machine.learned.push(LearnedElement { values: values.clone(), ..element.clone() });
+        let simulator = self.searcher.simulator;
+        let found = assessed.iter().enumerate();
+        let found: Vec<Assessment> = found
+            .map(|(r, near)| simulator.assess_near(&machine, r, &near.without_residuals()))
+            .collect::<Option<_>>()?;
+        let parts = whole_parts(assessed.len());
+        let (before, after) = (score_parts(assessed, &parts)?, score_parts(&found, &parts)?);
+        let pairs = before.cells.iter().zip(&after.cells);
+        // every channel counts by its own size, as on held-out stretches
+        let [power, left] = pairs.fold([0.0; 2], |[power, left], (before, after)| {
+            let size = before.excess.max(1.0).powi(2);
+            [power + before.excess.powi(2) / size, left + after.excess.powi(2) / size]
+        });
+        Some(ShownStart { values, share: 1.0 - left / power.max(f64::MIN_POSITIVE) })
     }
 
     /// Fits a template to the first part of every recording.
@@ -279,7 +315,28 @@ impl LearningTask<'_> {
         assessed: &[Assessment],
     ) -> Option<FunctionFit> {
         let element = context.element(template, FITTED_POINTS)?;
-        self.fit_element(context, &element, present, assessed)
+        let shown = self.shown_start(context, &element, assessed).filter(|shown| shown.share > 0.0);
+        let values = shown.map_or_else(|| element.values.clone(), |shown| shown.values);
+        let element = LearnedElement { values, ..element };
+        let free = self.fit_element(context, &element, present, assessed)?;
+        Some(match present {
+            None => self.with_shown_form(context, free),
+            Some(_) => free,
+        })
+    }
+
+    /// Returns an error of the loop's sensor held to the form that other sensors show of it, if that predicts held-out data better: a corner
+    /// beside a point of a free function spoils what is known on its other side.
+    fn with_shown_form(&self, context: &TemplateContext, free: FunctionFit) -> FunctionFit {
+        let found = free.candidate.fit.effects.first().and_then(|effect| {
+            let form = context.shown_form(learned_element(effect)?)?;
+            let split = self.split(&free.candidate.fit.effects)?;
+            self.fit_simple_form(form, learned_element(effect)?, effect, &free.candidate, &split)
+        });
+        match found {
+            Some(form) if merit(&form) > merit(&free.candidate) => free.with_candidate(form),
+            _ => free,
+        }
     }
 
     /// Fits the chosen template with more points.

@@ -19,11 +19,30 @@ struct LibraryForm {
     start: Vec<f64>,
 }
 
+/// Returns the effect that an error of the loop's sensor is, with where its fit starts; `None` if it is none.
+fn sensor_form(
+    variable: RegimeVariable,
+    reading: &CurveReading,
+    base: &Parameters,
+) -> Option<(Component, EffectName, Vec<f64>)> {
+    let gyro = &base.sensors.hub_gyro;
+    match (variable, reading.form) {
+        (RegimeVariable::Reading, CurveForm::Linear) => {
+            let gain = gyro.gain * (1.0 + reading.value("slope"));
+            Some((Component::HubGyro, EffectName::Scale, vec![gain]))
+        }
+        (_, CurveForm::Constant) => {
+            Some((Component::HubGyro, EffectName::Bias, vec![gyro.bias + reading.value("level")]))
+        }
+        _ => None,
+    }
+}
+
 /// Returns the effects of the library that a curve may be.
 fn library_forms(element: &LearnedElement, reading: &CurveReading, base: &Parameters) -> Vec<LibraryForm> {
     use LearnedPlace::{LoopSensor, Motor, Pivot};
-    use LearnedQuantity::{Error, FrictionLevel, Torque, TorqueConstant};
-    use RegimeVariable::{Angle, Load, Rate, Reading, Time, Turn};
+    use LearnedQuantity::{FrictionLevel, Torque, TorqueConstant};
+    use RegimeVariable::{Angle, Load, Rate, Time, Turn};
     let of = |name: &str| reading.value(name);
     let ripple = || vec![of("amplitude").abs(), of("order"), of("phase")];
     let level = if of("level").abs() > f64::MIN_POSITIVE { of("level") } else { 1.0 };
@@ -64,14 +83,7 @@ fn library_forms(element: &LearnedElement, reading: &CurveReading, base: &Parame
             EffectName::TorqueConstant,
             vec![base.motor.torque_constant_nm_a * of("level")],
         )),
-        (LoopSensor, Error, Reading, CurveForm::Linear) => Some((
-            Component::HubGyro,
-            EffectName::Scale,
-            vec![base.sensors.hub_gyro.gain * (1.0 + of("slope"))],
-        )),
-        (LoopSensor, Error, _, CurveForm::Constant) => {
-            Some((Component::HubGyro, EffectName::Bias, vec![base.sensors.hub_gyro.bias + of("level")]))
-        }
+        (LoopSensor, ..) => sensor_form(element.variable, reading, base),
         _ => None,
     };
     let Some((component, name, start)) = found else { return Vec::new() };

@@ -11,13 +11,11 @@ use counterpoise_models::{Interpolation, LearnedElement, RegimeVariable};
 use crate::fitting::output_error::{EffectFit, FitSelection};
 use crate::learning::learner::{DataSplit, FittedFunctions, LearningTask};
 use crate::learning::reading::{CurveForm, FittedForm, nearest_forms, nearest_of_form};
-use crate::learning::templates::place_points;
-use crate::library::{Effect, learned_element, learned_values_in, make_form_effect};
+use crate::learning::templates::{add_corners, place_points};
+use crate::library::{Effect, has_free_points, learned_element, learned_values_in, make_form_effect};
 use crate::selection::candidate::FittedCandidate;
 use crate::tolerance::identification::NORMAL_95;
-use crate::tolerance::learning::{
-    FACTOR_BOUNDS, FORM_CONTINUATION, FORM_POINTS, FORM_ROUNDS, FORMS_FITTED, SAME_POINT,
-};
+use crate::tolerance::learning::{FACTOR_BOUNDS, FORM_CONTINUATION, FORM_POINTS, FORM_ROUNDS, FORMS_FITTED};
 use crate::tolerance::{AMBIGUOUS, FIT_STEP, PARAMETER_PRICE, SEARCH_ITERATIONS};
 
 /// A form as an effect with values from which its fit starts.
@@ -36,6 +34,9 @@ impl LearningTask<'_> {
     fn simple_form(&self, found: &FittedFunctions) -> Option<FittedFunctions> {
         let candidate = &found.learned.candidate;
         let [effect] = candidate.fit.effects.as_slice() else { return None };
+        if !has_free_points(effect) {
+            return None; // it has a form already
+        }
         let curve = self.curve_with_band(effect, &candidate.fit)?;
         let split = self.split(&candidate.fit.effects)?;
         let mut best: Option<FittedCandidate> = None;
@@ -80,7 +81,7 @@ impl LearningTask<'_> {
     }
 
     /// Fits a form to the first part of every recording; parameters that do not enter linearly are found by steps along their slopes.
-    fn fit_simple_form(
+    pub(crate) fn fit_simple_form(
         &self,
         form: FittedForm,
         curve: &LearnedElement,
@@ -145,18 +146,6 @@ fn form_table(curve: &LearnedElement, form: &FittedForm) -> LearnedElement {
     }
     let values = vec![curve.quantity.neutral(); points.len()];
     LearnedElement { values, half_width: Vec::new(), coverage: Vec::new(), points, ..curve.clone() }
-}
-
-/// Adds corners to points, in the place of those that are hardly apart from one.
-fn add_corners(points: &mut Vec<f64>, corners: &[f64]) {
-    let (first, last) = (points[0], points[points.len() - 1]);
-    let near = SAME_POINT * (last - first);
-    let within = corners.iter().filter(|corner| (first + near..last - near).contains(*corner));
-    for corner in within {
-        points.retain(|point| (point - corner).abs() > near);
-        points.push(*corner);
-    }
-    points.sort_by(f64::total_cmp);
 }
 
 /// Returns the effect of a form over a table, and the coefficients at which it is what it is.

@@ -6,13 +6,15 @@ use counterpoise_models::{
     Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable,
 };
 
+use crate::learning::reading::{FittedForm, nearest_forms};
 use crate::learning::visited_ranges::VisitedRanges;
 use crate::library::{Component, Effect, component_of, make_learned_effect};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::error_map::MapCell;
 use crate::localisation::trend::{Repetition, Trend};
 use crate::tolerance::learning::{
-    ERROR_STEP, FACTOR_STEP, LEAST_TURNS, POINTS_A_PERIOD, TIME_POINTS_AT_MOST, TORQUE_STEP, ZOOM,
+    ERROR_STEP, FACTOR_STEP, FORM_POINTS, LEAST_TURNS, POINTS_A_PERIOD, SAME_POINT, TIME_POINTS_AT_MOST,
+    TORQUE_STEP, ZOOM,
 };
 
 use LearnedPlace::{
@@ -138,9 +140,30 @@ impl TemplateContext<'_> {
         // an error of a sensor has corners
         let interpolation =
             if variable == Reading { Interpolation::Linear } else { Interpolation::default() };
-        let measured = self.base.sensors.measured;
-        let neutral = LearnedElement::neutral(place, quantity, variable, points);
-        Some(LearnedElement { interpolation, measured, ..neutral })
+        let measured = match place {
+            LoopSensor => self.base.sensors.measured,
+            _ => Default::default(),
+        };
+        let mut element = LearnedElement::neutral(place, quantity, variable, points);
+        if let Some(form) = self.shown_form(&element) {
+            add_corners(&mut element.points, &form.corners());
+            element.values = vec![quantity.neutral(); element.points.len()];
+        }
+        Some(LearnedElement { interpolation, measured, ..element })
+    }
+
+    /// Returns the form, without a level, that an error of the loop's sensor has which other sensors show; `None` for another element, or if no
+    /// other sensor shows it. A bias moves everything, and the means of other sensors do not show one so exactly.
+    pub fn shown_form(&self, element: &LearnedElement) -> Option<FittedForm> {
+        if element.place != LoopSensor || element.variable != Reading {
+            return None;
+        }
+        let points = place_points(Reading, self.visited.range(LoopSensor, Reading)?, FORM_POINTS);
+        let dense = LearnedElement::neutral(LoopSensor, Error, Reading, points);
+        let values = self.visited.shown_error(&dense)?;
+        let mut form = nearest_forms(&LearnedElement { values, ..dense }).into_iter().next()?;
+        form.linear[0] = 0.0;
+        Some(form)
     }
 
     /// Returns how many points a function of time needs: more if the mismatch repeats in time.
@@ -181,6 +204,18 @@ pub(crate) fn place_points(variable: RegimeVariable, [low, high]: [f64; 2], coun
         }
         false => (0..count).map(|k| low + (high - low) * share(k)).collect(),
     }
+}
+
+/// Adds corners to points, in the place of those that are hardly apart from one.
+pub(crate) fn add_corners(points: &mut Vec<f64>, corners: &[f64]) {
+    let (first, last) = (points[0], points[points.len() - 1]);
+    let near = SAME_POINT * (last - first);
+    let within = corners.iter().filter(|corner| (first + near..last - near).contains(*corner));
+    for corner in within {
+        points.retain(|point| (point - corner).abs() > near);
+        points.push(*corner);
+    }
+    points.sort_by(f64::total_cmp);
 }
 
 /// Returns the components at which an error explains most and that a place belongs to.

@@ -8,7 +8,7 @@ use crate::machine::RedundantSensors;
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
 use crate::tolerance::FITTED_SHARE;
-use crate::tolerance::learning::LEAST_RELATIVE_RANGE;
+use crate::tolerance::learning::{LEAST_RELATIVE_RANGE, LEAST_SHOWN};
 use crate::tolerance::learning::{RANGE_MARGIN, RANGE_QUANTILE};
 
 /// The values of the regime variables, recording by recording.
@@ -72,6 +72,8 @@ enum VisitedColumn {
     PlatformRate,
     /// Heave, m/s^2.
     Heave,
+    /// What the loop's sensor shows beyond what it should read, in its unit; not a number if no other sensor tells.
+    LoopError,
 }
 
 impl ColumnName for VisitedColumn {
@@ -103,6 +105,7 @@ impl VisitedRanges {
                 &reading,
                 signals.column(BalanceColumn::Platform),
                 signals.column(BalanceColumn::Heave),
+                &loop_error(recording, &signals, &reading),
             ])
         };
         let recorded = RedundantSensors {
@@ -131,6 +134,33 @@ impl VisitedRanges {
     /// Returns the RMS of what a sensor reads, in its unit.
     pub(crate) fn reading_rms(&self, place: LearnedPlace) -> f64 {
         rms(&self.samples(place, RegimeVariable::Reading).concat())
+    }
+
+    /// Returns the values of an error of the loop's sensor that redundant sensors show, its values near each point in the mean; `None` for
+    /// another element, or if no other sensor tells.
+    pub(crate) fn shown_error(&self, element: &LearnedElement) -> Option<Vec<f64>> {
+        if element.place != LearnedPlace::LoopSensor || element.variable != RegimeVariable::Reading {
+            return None;
+        }
+        let mut sums = vec![[0.0; 2]; element.points.len()];
+        let variable = self.samples(element.place, element.variable).concat();
+        let errors = self.recordings.iter().flat_map(|r| r.column(VisitedColumn::LoopError));
+        for (at, error) in variable.iter().zip(errors).filter(|(at, error)| (*at + *error).is_finite()) {
+            let above = element.points.partition_point(|point| point < at).clamp(1, sums.len() - 1);
+            let (low, high) = (element.points[above - 1], element.points[above]);
+            let share = ((at - low) / (high - low)).clamp(0.0, 1.0);
+            for (k, weight) in [(above - 1, 1.0 - share), (above, share)] {
+                sums[k] = [sums[k][0] + weight, sums[k][1] + weight * error];
+            }
+        }
+        let known = |k: usize| (sums[k][0] >= LEAST_SHOWN).then(|| sums[k][1] / sums[k][0]);
+        let first = (0..sums.len()).find_map(known)?;
+        let mut last = first;
+        let mut value = |k: usize| {
+            last = known(k).unwrap_or(last);
+            last
+        };
+        Some((0..sums.len()).map(&mut value).collect())
     }
 
     /// Returns the samples of a variable at a place, recording by recording.
@@ -275,4 +305,12 @@ fn loop_reading(base: &Parameters, recording: &MeasuredSignals, signals: &Balanc
     }
     let (motor, platform) = (signals.column(BalanceColumn::Motor), signals.column(BalanceColumn::Platform));
     motor.iter().zip(platform).map(|(m, p)| m / base.gearbox.ratio + p).collect()
+}
+
+/// Returns what the loop's sensor shows beyond what it should read; not a number if no other sensor tells.
+fn loop_error(recording: &MeasuredSignals, signals: &BalanceSignals, reading: &[f64]) -> Vec<f64> {
+    if recording.measured != FeedbackSignal::HubRate || !recording.recorded.motor_rate {
+        return vec![f64::NAN; reading.len()];
+    }
+    signals.column(BalanceColumn::Hub).iter().zip(reading).map(|(shown, should)| shown - should).collect()
 }

@@ -17,6 +17,8 @@ pub const ZOOM: f64 = 0.1;
 pub const SAME_POINT: f64 = 1e-4;
 /// Smallest dead band of a sensor that is read, as a share of its largest reading.
 pub const SMALLEST_DEAD_BAND: f64 = 0.002;
+/// Samples that another sensor must have near a point to say what the error of the loop's sensor is there.
+pub const LEAST_SHOWN: f64 = 5.0;
 /// Points of a function while candidates are ranked.
 pub const SCREENED_POINTS: usize = 12;
 /// Points of a function that is fitted.

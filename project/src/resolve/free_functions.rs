@@ -1,7 +1,8 @@
 //! Free functions: `[[plant.learned]]`, a table over one regime variable at one component.
 
 use counterpoise_models::{
-    AxisKind, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable,
+    AxisKind, FeedbackSignal, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Parameters,
+    RegimeVariable,
 };
 
 use super::axis_words::Words;
@@ -82,8 +83,7 @@ const COVERAGE: Field = Field::new("coverage", "share of the recorded samples ne
 pub(super) fn learned_functions(v: &mut dyn Visit, plant: &mut Parameters) {
     let (axis, gearbox, sensors) = (plant.axis, plant.gearbox.clone(), plant.sensors.clone());
     list(v, &SECTION, &mut plant.learned, LearnedElement::default(), |v, element| {
-        element.measured = sensors.measured;
-        function(v, axis, element);
+        function(v, axis, sensors.measured, element);
         if element.points.iter().chain(&element.values).any(|number| number.is_nan()) {
             return; // a number that could not be read is reported already
         }
@@ -98,9 +98,12 @@ pub(super) fn learned_functions(v: &mut dyn Visit, plant: &mut Parameters) {
     });
 }
 
-fn function(v: &mut dyn Visit, axis: AxisKind, element: &mut LearnedElement) {
+fn function(v: &mut dyn Visit, axis: AxisKind, measured: FeedbackSignal, element: &mut LearnedElement) {
     v.text(&NAME, &mut element.name);
     choose(v, &PLACE, &mut element.place);
+    if element.place == LearnedPlace::LoopSensor {
+        element.measured = measured;
+    }
     choose(v, &QUANTITY, &mut element.quantity);
     choose(v, &VARIABLE, &mut element.variable);
     choose(v, &INTERPOLATION, &mut element.interpolation);

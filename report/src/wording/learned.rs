@@ -8,6 +8,8 @@ use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeV
 use counterpoise_plot::number::short_number;
 use serde::Serialize;
 
+use crate::tolerance::NO_READING;
+
 /// Free functions that model an unidentified effect, in words.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LearnedText {
@@ -412,9 +414,6 @@ fn describe_distance(element: &LearnedElement, reading: &CurveReading) -> String
     let [low, high] = reading.interval("distance").map(|x| short_number(factor * x));
     format!("{} {prefix}{unit} ({low} to {high})", short_number(factor * reading.value("distance")))
 }
-
-/// Share of what is measured that a reading may still show where it counts as none.
-const NO_READING: f64 = 0.1;
 
 /// Returns whether an error takes all of what is measured where it sets in.
 fn saturates(reading: &CurveReading) -> bool {
