@@ -21,7 +21,7 @@ impl HiddenCurves {
         !name.is_empty() && self.0.contains(name)
     }
 
-    /// Hides a curve, or shows it again.
+    /// Shows a hidden curve, or hides one that is shown.
     pub fn toggle(&mut self, name: &str) {
         if !self.0.remove(name) {
             self.0.insert(name.to_owned());

@@ -34,7 +34,6 @@ fn frequency_words(view: &StudioView, frequency: f64) -> String {
     let number = match frequency {
         f if f >= 10.0 => format!("{f:.0}"),
         f if f >= 1.0 => format!("{f:.1}"),
-        f if f >= 0.01 => format!("{f:.2}"),
         f => format_short(f),
     };
     format!("{number} {}", view.units.frequency_unit())
