@@ -176,7 +176,9 @@ def assumption_rows(model, verify):
     for effect in effects:
         largest_ = 0.0
         for end in effect["at"]:
-            name = f"{effect['key']} at {end['value']:.6g}"
+            # an end without a number is infinite
+            value = math.inf if end["value"] is None else end["value"]
+            name = f"{effect['key']} at {value:.6g}"
             if end.get("measured_on"):
                 yield f"control that holds the weight, {name}", end["measured_on"]["holding_v"], *stages.holding(end["measured_on"])
             after = assumption_figures(assumed, end["measured_on"]) if end.get("measured_on") else None
