@@ -2,7 +2,7 @@
 //!
 //! An integrator behind a plant keeps its pole at exactly zero, and a slow weight its digits beside a fast structure.
 
-use crate::Mat;
+use crate::{Mat, StateSpace};
 
 /// Returns the groups of states that act on each other, ordered so that A is block upper triangular in them.
 pub fn components(A: &Mat) -> Vec<Vec<usize>> {
@@ -71,6 +71,22 @@ fn reachability(A: &Mat) -> Vec<Vec<u64>> {
 
 fn has(row: &[u64], bit: usize) -> bool {
     row[bit / 64] >> (bit % 64) & 1 == 1
+}
+
+/// Returns the states to which couplings lead from an input, in rising order.
+pub fn driven_states(g: &StateSpace) -> Vec<usize> {
+    let mut is_reached: Vec<bool> =
+        (0..g.order()).map(|i| (0..g.inputs()).any(|k| g.B[(i, k)] != 0.0)).collect();
+    let mut open: Vec<usize> = (0..g.order()).filter(|&i| is_reached[i]).collect();
+    while let Some(j) = open.pop() {
+        for i in 0..g.order() {
+            if !is_reached[i] && g.A[(i, j)] != 0.0 {
+                is_reached[i] = true;
+                open.push(i);
+            }
+        }
+    }
+    (0..g.order()).filter(|&i| is_reached[i]).collect()
 }
 
 #[cfg(test)]

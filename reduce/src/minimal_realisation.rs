@@ -7,6 +7,7 @@ use crate::{Error, Warning};
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::Mat;
 use counterpoise_lti::StateSpace;
+use counterpoise_lti::components::driven_states;
 
 /// A minimal realisation and the numbers it rests on.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,9 +43,9 @@ pub fn minimal_realisation(g: &StateSpace, tolerance: f64) -> Result<MinimalReal
         return Err(Error::Range { what: "tolerance", value: tolerance, allowed: "between 0 and 1" });
     }
     let mut gap = Gap { kept: 1.0, dropped: 0.0 };
-    let reached = reached_states(g);
+    let reached = driven_states(g);
     let connected: Vec<usize> =
-        reached_states(&g.dual()).into_iter().filter(|i| reached.contains(i)).collect();
+        driven_states(&g.dual()).into_iter().filter(|i| reached.contains(i)).collect();
     if connected.is_empty() {
         let (unreachable, nothing) = (g.order() - reached.len(), states_of(g, &[])?);
         return Ok(MinimalRealisation::with_gap(nothing, unreachable, reached.len(), &gap));
@@ -85,22 +86,6 @@ fn connected_part(scaled: &StateSpace, tolerance: f64, mut gap: Gap) -> Result<M
     }
     gap.include(stairs.kept, stairs.dropped);
     Ok(MinimalRealisation::with_gap(seen, unreachable, unobservable, &gap))
-}
-
-/// Returns the states to which couplings lead from an input, in rising order.
-fn reached_states(g: &StateSpace) -> Vec<usize> {
-    let mut is_reached: Vec<bool> =
-        (0..g.order()).map(|i| (0..g.inputs()).any(|k| g.B[(i, k)] != 0.0)).collect();
-    let mut open: Vec<usize> = (0..g.order()).filter(|&i| is_reached[i]).collect();
-    while let Some(j) = open.pop() {
-        for i in 0..g.order() {
-            if !is_reached[i] && g.A[(i, j)] != 0.0 {
-                is_reached[i] = true;
-                open.push(i);
-            }
-        }
-    }
-    (0..g.order()).filter(|&i| is_reached[i]).collect()
 }
 
 /// Returns the system of some of the states, without the others.

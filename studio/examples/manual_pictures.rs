@@ -21,7 +21,7 @@ const SIZE: [u32; 2] = [1280, 800];
 const LARGE: [u32; 2] = [2560, 1440];
 const FOOT: u32 = 30;
 /// Time between the frames before a picture.
-const FADING: std::time::Duration = std::time::Duration::from_millis(60);
+const FADING: std::time::Duration = std::time::Duration::from_millis(120);
 
 /// Pictures of one project in one window, in their order.
 struct Sitting {
@@ -62,15 +62,7 @@ fn draw(sitting: &Sitting, scratch: &Path, folder: &Path, is_wanted: &dyn Fn(&st
         if !name.ends_with("export") {
             seat.studio.view.notice = None;
         }
-        // what fades in has done so
-        for _ in 0..6 {
-            let drawn = seat.draw_frame(Vec::new());
-            seat.textures.append(drawn.textures);
-            std::thread::sleep(FADING);
-        }
-        painter.take(&std::mem::take(&mut seat.textures));
-        let drawn = seat.draw_frame(Vec::new());
-        let picture = painter.paint(&drawn, sitting.size);
+        let picture = painter.paint_window(&mut seat, sitting.size, FADING);
         let [width, height] = sitting.size;
         // where the code went stands in the foot
         let foot = if name.ends_with("export") { 0 } else { FOOT };

@@ -7,6 +7,7 @@ use crate::common;
 mod paint;
 
 use std::path::Path;
+use std::time::Duration;
 
 use crate::commissioning::commissioned_folder;
 use crate::cross_plot::friction_example;
@@ -97,13 +98,7 @@ fn take_picture(
 ) {
     seat.run_script(commands, log);
     seat.studio.view.notice = None;
-    for _ in 0..3 {
-        let drawn = seat.draw_frame(Vec::new());
-        seat.textures.append(drawn.textures);
-    }
-    painter.take(&std::mem::take(&mut seat.textures));
-    let drawn = seat.draw_frame(Vec::new());
-    let mut picture = painter.paint(&drawn, SIZE);
+    let mut picture = painter.paint_window(seat, SIZE, Duration::ZERO);
     for y in SIZE[1] - FOOT..SIZE[1] {
         (0..SIZE[0]).for_each(|x| picture.put_pixel(x, y, image::Rgba([0, 0, 0, 255])));
     }

@@ -2,6 +2,7 @@
 
 use counterpoise_controller::PathSignal;
 use counterpoise_linalg::{C64, Mat};
+use counterpoise_lti::components::driven_states;
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{Discretisation, StateSpace, c2d, h2norm, margins};
 
@@ -97,29 +98,19 @@ fn controller(sampled: &SampledLoop, sampling: &Sampling) -> Result<StateSpace, 
     let linear = sampled.controller.linear(sampling.out_of_balance_kg_m)?;
     let reading = |signal: PathSignal, fallback: usize| signal.reading().unwrap_or(fallback);
     let inputs = [reading(PathSignal::Demand, 0), reading(PathSignal::HubRate, 1)];
-    let linear = linear.select(&[0], &inputs);
-    // The paths that read neither signal stay at zero: leave their states out.
-    let used: Vec<usize> = (0..linear.order()).filter(|&i| (0..2).any(|j| linear.B[(i, j)] != 0.0)).collect();
-    let reached = reachable_states(&linear.A, used);
-    Ok(StateSpace {
-        A: linear.A.select(&reached, &reached),
-        B: linear.B.select(&reached, &[0, 1]),
-        C: linear.C.select(&[0], &reached),
-        ..linear
-    })
+    Ok(driven_part(linear.select(&[0], &inputs)))
 }
 
-/// The states that are driven by the given ones, these included, in order.
-pub(crate) fn reachable_states(A: &Mat, mut from: Vec<usize>) -> Vec<usize> {
-    let mut next = 0;
-    while next < from.len() {
-        let j = from[next];
-        let new: Vec<usize> = (0..A.nrows()).filter(|&i| A[(i, j)] != 0.0 && !from.contains(&i)).collect();
-        from.extend(new);
-        next += 1;
+/// Returns a system without the states that no input drives: they stay at zero.
+pub(crate) fn driven_part(g: StateSpace) -> StateSpace {
+    let driven = driven_states(&g);
+    let (inputs, outputs): (Vec<usize>, Vec<usize>) = ((0..g.inputs()).collect(), (0..g.outputs()).collect());
+    StateSpace {
+        A: g.A.select(&driven, &driven),
+        B: g.B.select(&driven, &inputs),
+        C: g.C.select(&outputs, &driven),
+        ..g
     }
-    from.sort_unstable();
-    from
 }
 
 /// Peak of the true rate and of the control after a unit step of the demand.

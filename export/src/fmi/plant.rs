@@ -56,13 +56,13 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
     check_memory("delay in samples", past as f64, MOST_DELAY_SAMPLES)?;
     check_memory("number of bristles", bonds as f64, MOST_BRISTLES)?;
     let period_s = plant.parameters().interface.sample_period_s;
+    let (learned, errors) = (free_functions::functions(plant), free_functions::sensor_errors(plant));
     let data = context! {
         name, NAME => name.to_uppercase(), provenance => provenance.lines(),
         period => format!("{period_s:?}"), parts => machine::shortest_parts(plant),
         bonds => bonds.max(1), past, states => machine::states(plant),
         kind => context! { cylinder => loads::cylinder(plant), ..machine::kind(plant) },
-        learned => free_functions::functions(plant), errors => free_functions::sensor_errors(plant),
-        tables => [free_functions::functions(plant), free_functions::sensor_errors(plant)].concat(),
+        tables => [learned.as_slice(), &errors].concat(), learned, errors,
         loads => loads::loads(plant), limits => loads::limits(plant),
         friction => include_str!("../../templates/plant_friction.c.jinja"),
         parameters => machine::parameters(plant), ripples => machine::ripples(plant),

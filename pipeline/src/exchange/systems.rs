@@ -104,6 +104,16 @@ impl SignalResult {
 }
 
 impl SystemResult {
+    /// Returns the sampled plant of a feedback loop, from the control to the reading.
+    pub fn of_plant(plant: &StateSpace, controlled: ControlledQuantity) -> Self {
+        Self::new("plant", plant, &["control_v"], &["reading_of_hub_rate_rad_s"]).of_loop(controlled)
+    }
+
+    /// Returns the sampled feedback of a loop, from the error to the control.
+    pub fn of_feedback(name: &str, feedback: &StateSpace, controlled: ControlledQuantity) -> Self {
+        Self::new(name, feedback, &["rate_error_rad_s"], &["control_v"]).of_loop(controlled)
+    }
+
     /// Returns a system with numbered states; `inputs` and `outputs` are names that end in their units. Outputs beyond those that have a name
     /// are numbered, unless none has one.
     pub fn new(name: &str, system: &StateSpace, inputs: &[&str], outputs: &[&str]) -> Self {

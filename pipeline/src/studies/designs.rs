@@ -2,11 +2,12 @@
 //! and friction observers, the tuned ones under the limits that the own controller reaches and under further ones.
 
 use counterpoise_controller::Controller;
+use counterpoise_lti::StateSpace;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::fixed_structure::{TuningObjective, TuningOptions};
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_simulate::Simulator;
-use counterpoise_synth::tuning::{loop_parts, measure_loop};
+use counterpoise_synth::tuning::{feedback_path, measure_loop};
 use counterpoise_synth::{
     Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits, Reference,
     Specification, SynthesisMethod, TuningSubject, best_loop, sampled_plant,
@@ -207,22 +208,26 @@ pub struct ComparisonRequest {
     pub further: Vec<LoopLimits>,
 }
 
-/// The signal that the feedback of a row reads, in a loop of rate.
-const ERROR_SIGNAL: &str = "rate_error_rad_s";
-
 /// The band of [`DesignRow::rejection`], rad/s: 0.2 to 2 Hz.
 const BAND_RAD_S: [f64; 2] = [1.26, 12.6];
+
+/// Name of the structure that every design is compared with.
+pub(super) const TUNED_PI: &str = "tuned PI with a lag";
 
 /// Returns the structures that are tuned, with their names.
 pub(super) fn structures() -> Vec<(&'static str, FixedStructure)> {
     use BlockKind::{Lead, LowPass, Notch, ProportionalIntegral};
-    let of = |kinds: &[BlockKind]| FixedStructure {
-        blocks: kinds.iter().map(|kind| Block::open(*kind)).collect(),
-    };
-    vec![
-        ("tuned PI with a lag", of(&[ProportionalIntegral, LowPass])),
-        ("tuned PI + lead + 2 notches", of(&[ProportionalIntegral, Lead, Notch, Notch, LowPass])),
-    ]
+    let notches = [ProportionalIntegral, Lead, Notch, Notch, LowPass];
+    vec![(TUNED_PI, pi_with_lag()), ("tuned PI + lead + 2 notches", open_blocks(&notches))]
+}
+
+/// Returns a PI with a lag whose parameters are open.
+pub(super) fn pi_with_lag() -> FixedStructure {
+    open_blocks(&[BlockKind::ProportionalIntegral, BlockKind::LowPass])
+}
+
+fn open_blocks(kinds: &[BlockKind]) -> FixedStructure {
+    FixedStructure { blocks: kinds.iter().map(|kind| Block::open(*kind)).collect() }
 }
 
 /// Designs and simulates every row.
@@ -245,6 +250,7 @@ pub fn design_table(
         modelled: &modelled,
         reduced: &reduced,
         ground: &ground,
+        plant: sampled_plant(&ground.plants[0], &ground.sampling)?,
         world,
         procedure: own_procedure(project, world)?,
     };
@@ -276,9 +282,7 @@ pub fn design_table(
     };
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
     let reading_noise = UnitValue::new("reading_noise", controlled, reading_noise_rad_s);
-    let system = sampled_plant(&ground.plants[0], &ground.sampling)?;
-    let plant = SystemResult::new("plant", &system, &["control_v"], &["reading_of_hub_rate_rad_s"]);
-    let systems = vec![plant.of_loop(controlled)];
+    let systems = vec![SystemResult::of_plant(&builder.plant, controlled)];
     let (name, hash) = (identity.name, identity.hash);
     let loops = ground.measured_loops(controlled);
     Ok(DesignTable { name, hash, loops, objective, motion, disturbance, reading_noise, systems, rows })
@@ -352,6 +356,8 @@ struct RowBuilder<'a> {
     modelled: &'a PlantModel,
     reduced: &'a ReducedPlant,
     ground: &'a TuningGround,
+    /// The sampled nominal plant, from the control to the reading.
+    plant: StateSpace,
     world: &'a dyn World,
     procedure: Procedure,
 }
@@ -428,12 +434,11 @@ impl RowBuilder<'_> {
     /// Returns the figures of a design on the linear plant and in the nonlinear closed loop.
     fn judge_design(&self, name: &str, made: &SynthesisedDesign) -> Result<DesignRow, PipelineError> {
         let controller = &made.sampled.controller;
-        let parts = loop_parts(&self.ground.plants[0], controller, &self.ground.sampling)?;
-        let on = |disturbance: &Disturbance| measure_loop(&parts.plant, &parts.feedback, disturbance);
+        let feedback = feedback_path(controller, &self.ground.sampling)?;
+        let on = |disturbance: &Disturbance| measure_loop(&self.plant, &feedback, disturbance);
         let linear = on(&self.ground.disturbance)?;
         let rejection = on(&Disturbance::of_band(BAND_RAD_S))?.residual_rad_s;
-        let feedback = SystemResult::new("feedback", &parts.feedback, &[ERROR_SIGNAL], &["control_v"])
-            .of_loop(self.project.plant.controlled_quantity());
+        let controlled = self.project.plant.controlled_quantity();
         let nonlinear = run_observed(self.world, PipelineStage::Verify, || self.run(controller))?;
         let order = match &made.design.joint {
             Some(joint) => joint.controller.order(),
@@ -441,13 +446,10 @@ impl RowBuilder<'_> {
         };
         Ok(DesignRow {
             order,
-            linear: Some(LoopMeasuresResult::of(
-                &linear,
-                self.ground.measured_loops(self.project.plant.controlled_quantity()),
-            )),
+            linear: Some(LoopMeasuresResult::of(&linear, self.ground.measured_loops(controlled))),
             rejection: Some(rejection),
             nonlinear: Some(nonlinear),
-            systems: vec![feedback],
+            systems: vec![SystemResult::of_feedback("feedback", &feedback, controlled)],
             ..blank_row(name, None)
         })
     }

@@ -13,7 +13,10 @@ use counterpoise_synth::{
     measure_controller, sampled_plant, search_front,
 };
 
-use super::designs::{LimitsResult, TableObjective, limits_of, own_name, structures, three_part, variants};
+use super::designs::{
+    LimitsResult, TUNED_PI, TableObjective, limits_of, own_name, pi_with_lag, structures, three_part,
+    variants,
+};
 use super::front_edges::{PlacedFigures, best_figures, best_places};
 use crate::exchange::UnitValue;
 use crate::tolerance::TUNED_LIMIT_KEPT;
@@ -120,8 +123,6 @@ pub struct ReferenceDesign {
     pub figures: Vec<f64>,
 }
 
-/// Name of the kind that is the bar.
-const BAR: &str = "PI with a lag";
 /// Rounds in which the mechanism of a sweep that is the worst of most designs joins the plants of the search.
 const WORST_ROUNDS: usize = 2;
 
@@ -423,13 +424,13 @@ impl FrontStage<'_> {
         objectives: &[FrontObjective],
     ) -> Option<ReferenceDesign> {
         let limits = limits_of(&own.linear, wanted);
-        let (name, structure) = structures().into_iter().find(|(name, _)| name.ends_with(BAR))?;
+        let structure = pi_with_lag();
         let subject = TuningSubject::Structure(&structure);
         let wanted = TuningOptions { limits, ..wanted.clone() };
         let (tuned, _) = tune_feedback(subject, self.ground, &wanted).ok()?;
         let mut synthesis = self.asked.clone();
         put_feedback_in_place(&tuned.feedback, &mut synthesis);
-        self.reference(name, &synthesis, objectives).ok()
+        self.reference(TUNED_PI, &synthesis, objectives).ok()
     }
 
     fn reference(

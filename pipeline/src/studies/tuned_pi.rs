@@ -3,11 +3,11 @@
 use counterpoise_project::Project;
 use counterpoise_project::TunedWeights;
 use counterpoise_project::resolve::synthesis::WeightSource;
-use counterpoise_synth::tuning::{LoopParts, loop_parts, measure_loop};
-use counterpoise_synth::{SynthesisMethod, TunedFeedback, TuningSubject};
+use counterpoise_synth::tuning::{feedback_path, measure_loop};
+use counterpoise_synth::{SynthesisMethod, TuningSubject, sampled_plant};
 use serde::Serialize;
 
-use super::designs::{LimitsResult, limits_of, structures};
+use super::designs::{LimitsResult, limits_of, pi_with_lag};
 use crate::exchange::{SystemResult, UnitValue};
 use crate::tuning::{BlockResult, LoopMeasuresResult, block_results, tune_feedback, tuning_ground};
 use crate::{PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, World};
@@ -59,34 +59,28 @@ pub fn tuned_pi_row(
     let Ok(ground) = tuning_ground(project, modelled, reduced, &wanted, world) else { return Ok(None) };
     let controlled = project.plant.controlled_quantity();
     let loops = ground.measured_loops(controlled);
-    let parts = loop_parts(&ground.plants[0], &made.sampled.controller, &ground.sampling)?;
-    let own =
-        LoopMeasuresResult::of(&measure_loop(&parts.plant, &parts.feedback, &ground.disturbance)?, loops);
+    let plant = sampled_plant(&ground.plants[0], &ground.sampling)?;
+    let feedback = feedback_path(&made.sampled.controller, &ground.sampling)?;
+    let own = LoopMeasuresResult::of(&measure_loop(&plant, &feedback, &ground.disturbance)?, loops);
     wanted.limits = limits_of(&own, &wanted);
-    let Some((_, structure)) = structures().into_iter().next() else { return Ok(None) };
+    let structure = pi_with_lag();
     let Ok((tuned, _)) = tune_feedback(TuningSubject::Structure(&structure), &ground, &wanted) else {
         return Ok(None);
     };
-    let blocks = match &tuned.feedback {
-        TunedFeedback::Structure(structure) => block_results(structure),
-        TunedFeedback::Weights(_) => Vec::new(),
-    };
-    let LoopParts { plant, feedback } = parts;
-    let feedback_of = |name, system| SystemResult::new(name, system, &["rate_error_rad_s"], &["control_v"]);
-    let systems = [
-        SystemResult::new("plant", &plant, &["control_v"], &["reading_of_hub_rate_rad_s"]),
-        feedback_of("feedback", &feedback),
-        feedback_of("tuned_pi", &tuned.sampled),
+    let systems = vec![
+        SystemResult::of_plant(&plant, controlled),
+        SystemResult::of_feedback("feedback", &feedback, controlled),
+        SystemResult::of_feedback("tuned_pi", &tuned.sampled, controlled),
     ];
     Ok(tuned.measures.first().map(|measures| TunedPiRow {
         limits: LimitsResult::from(&wanted.limits),
-        blocks,
+        blocks: block_results(&tuned.structure()),
         missed: tuned.missed,
         own,
         tuned: LoopMeasuresResult::of(measures, loops),
         disturbance: ground.disturbance.lines.clone(),
         reading_noise: UnitValue::new("reading_noise", controlled, ground.disturbance.reading_noise_rad_s),
-        systems: systems.map(|system| system.of_loop(controlled)).into(),
+        systems,
     }))
 }
 

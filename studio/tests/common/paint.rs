@@ -1,8 +1,9 @@
 //! Paints a frame's triangles without a graphics card: slow, and the same everywhere.
 
 use std::collections::HashMap;
+use std::time::Duration;
 
-use counterpoise_studio::offscreen::TessellatedFrame;
+use counterpoise_studio::offscreen::{OffscreenStudio, TessellatedFrame};
 use egui::epaint::{ImageData, Mesh, Primitive, Vertex};
 use egui::{Color32, ColorImage, Rect, TextureId, TexturesDelta};
 use image::{Rgba, RgbaImage};
@@ -29,6 +30,18 @@ impl Painter {
                 whole.pixels[to..to + new.size[0]].copy_from_slice(&new.pixels[from..from + new.size[0]]);
             }
         }
+    }
+
+    /// Returns the picture of a window after a few frames, `pause` apart, in which what fades in can do so.
+    pub fn paint_window(&mut self, seat: &mut OffscreenStudio, size: [u32; 2], pause: Duration) -> RgbaImage {
+        for _ in 0..3 {
+            let drawn = seat.draw_frame(Vec::new());
+            seat.textures.append(drawn.textures);
+            std::thread::sleep(pause);
+        }
+        self.take(&std::mem::take(&mut seat.textures));
+        let drawn = seat.draw_frame(Vec::new());
+        self.paint(&drawn, size)
     }
 
     /// Returns the picture of a frame.

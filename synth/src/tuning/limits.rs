@@ -6,7 +6,7 @@ use counterpoise_lti::response::Response;
 use counterpoise_lti::{StateSpace, Timebase, feedback, h2norm, linfnorm, margins, poles, series};
 
 use super::Disturbance;
-use crate::figures::reachable_states;
+use crate::figures::driven_part;
 use crate::sampling::sampled_plant;
 use crate::tolerance::{CONTROL_PEAK, FASTEST_POLE, LIMIT_TIGHTENING, REGION_REACH};
 use crate::{DesignPlant, Error, Sampling};
@@ -204,30 +204,17 @@ pub fn measure_loop(
     })
 }
 
-/// The two parts of a feedback loop, sampled: its broken loop is `series(&plant, &feedback)`, closed with negative feedback.
-#[derive(Debug, Clone)]
-pub struct LoopParts {
-    /// From the control to the reading.
-    pub plant: StateSpace,
-    /// From the error to the control.
-    pub feedback: StateSpace,
-}
-
-/// Returns the two parts of the feedback loop of any controller on a plant; feedforwards play no part in it.
+/// Returns the feedback of any controller as it runs, from the error to the control; feedforwards play no part in it.
 ///
 /// # Errors
-/// [`Error::Lti`], [`Error::Controller`].
-pub fn loop_parts(
-    plant: &DesignPlant,
-    controller: &Controller,
-    sampling: &Sampling,
-) -> Result<LoopParts, Error> {
+/// [`Error::Controller`].
+pub fn feedback_path(controller: &Controller, sampling: &Sampling) -> Result<StateSpace, Error> {
     let linear = controller.linear(sampling.out_of_balance_kg_m)?;
     let hub = PathSignal::HubRate.reading().unwrap_or(1);
-    Ok(LoopParts { plant: sampled_plant(plant, sampling)?, feedback: hub_path(&linear, hub).negate() })
+    Ok(driven_part(linear.select(&[0], &[hub])).negate())
 }
 
-/// Returns the figures of the feedback loop of any controller on a plant; feedforwards play no part in them.
+/// Returns the figures of the feedback loop of any controller on a plant.
 ///
 /// # Errors
 /// [`Error::Lti`], [`Error::Controller`].
@@ -237,21 +224,7 @@ pub fn measure_controller(
     sampling: &Sampling,
     disturbance: &Disturbance,
 ) -> Result<LoopMeasures, Error> {
-    let LoopParts { plant, feedback } = loop_parts(plant, controller, sampling)?;
-    measure_loop(&plant, &feedback, disturbance)
-}
-
-/// The controller from one reading alone; states that this reading does not drive are at rest and left out.
-pub(crate) fn hub_path(linear: &StateSpace, reading: usize) -> StateSpace {
-    let path = linear.select(&[0], &[reading]);
-    let driven: Vec<usize> = (0..path.order()).filter(|&i| path.B[(i, 0)] != 0.0).collect();
-    let reached = reachable_states(&path.A, driven);
-    StateSpace {
-        A: path.A.select(&reached, &reached),
-        B: path.B.select(&reached, &[0]),
-        C: path.C.select(&[0], &reached),
-        ..path
-    }
+    measure_loop(&sampled_plant(plant, sampling)?, &feedback_path(controller, sampling)?, disturbance)
 }
 
 /// Slowest decay in rad/s, and the smallest damping ratio of the poles up to twice the crossover.

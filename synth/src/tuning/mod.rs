@@ -40,7 +40,7 @@ use counterpoise_lti::{StateSpace, c2d};
 
 pub use disturbance::Disturbance;
 pub(crate) use grid::{Clock, Density, LoopGrid};
-pub use limits::{LoopLimits, LoopMeasures, LoopParts, loop_parts, measure_controller, measure_loop};
+pub use limits::{LoopLimits, LoopMeasures, feedback_path, measure_controller, measure_loop};
 
 use crate::fixed_structure::{FixedStructure, ParameterName};
 use crate::{DesignPlant, Error, FeedbackWeights, Sampling, SamplingMethod, Specification};

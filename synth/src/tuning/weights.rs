@@ -12,7 +12,6 @@
 use std::cell::RefCell;
 use std::f64::consts::PI;
 
-use counterpoise_controller::PathSignal;
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{Discretisation, StateSpace, c2d};
@@ -20,7 +19,7 @@ use counterpoise_lti::{Discretisation, StateSpace, c2d};
 use super::TunedFeedback;
 use super::family::{FeedbackFamily, GridResponse};
 use super::grid::{LoopGrid, LoopPlant};
-use super::limits::hub_path;
+use super::limits::feedback_path;
 use super::random_generator::RandomGenerator;
 use super::shape::{PAIR_DAMPING, Root, Shape, control_shape};
 use crate::feedback::{controller_with_observer, observer_gain};
@@ -198,8 +197,7 @@ impl<'a> Weights<'a> {
             position_gain: self.position_gain,
         };
         let sampled = discretise(&design(self.plant, &specification)?, self.sampling)?;
-        let linear = sampled.controller.linear(self.sampling.out_of_balance_kg_m)?;
-        Ok(hub_path(&linear, PathSignal::HubRate.reading().unwrap_or(1)).negate())
+        feedback_path(&sampled.controller, self.sampling)
     }
 }
 
