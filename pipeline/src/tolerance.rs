@@ -255,3 +255,6 @@ pub(crate) const SAME_CLOCK: f64 = 1e-6;
 /// Sliding rates that the learning of the friction's level counts as a rate of 1. Its steps fall with the square of the rate: with 5 of them the sines of the reference rig
 /// leave 1.13 mrad/s after 14 s, with 20 they leave 0.84.
 pub(crate) const SLIDING_RATES_AS_ONE: f64 = 20.0;
+
+/// Part of a sample by which a delay may exceed whole samples and still be those: rounding of the decimals of a file.
+pub(crate) const WHOLE_SAMPLES: f64 = 1e-9;

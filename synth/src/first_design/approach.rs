@@ -96,7 +96,7 @@ impl Scan<'_> {
         for factor in FACTORS {
             let (mut way, mut failures) = (0, 0);
             let mut ways = self.ways(&at.found, factor);
-            while failures < ways.len() && judged < MOST_JUDGED {
+            while failures < ways.len() && judged < MOST_JUDGED && self.may_design_more() {
                 let upcoming: Vec<Candidate> = ways[way..].iter().flatten().copied().collect();
                 let approach = Approach { target_rad_s, least_miss: at.miss };
                 let nearer = match ways[way] {

@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
-use counterpoise_linalg::{C64, Mat, dot};
+use counterpoise_linalg::{C64, CMat, Mat, dot};
 use counterpoise_lti::{
-    CandidateMargins, Discretisation, StateSpace, Timebase, c2d, candidate_margins, candidate_sensitivity,
-    feedback as closed, frequency_response, h2norm, is_stable_pole, linfnorm, parallel, poles, series,
+    CandidateMargins, Discretisation, Response, StateSpace, Timebase, c2d, candidate_margins,
+    candidate_sensitivity, feedback as closed, frequency_response, h2norm, is_stable_pole, linfnorm,
+    parallel, poles, series,
 };
 
 use super::Circumstances;
@@ -13,7 +14,7 @@ use crate::bandwidth::LimitKind;
 use crate::modes::{light_modes, shifted_modes};
 use crate::sampling::sampled_plant;
 use crate::tolerance::{
-    CEILING, CONTROL_PEAK_BY, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE, NORM_TOLERANCE, OVERSHOOT_BY,
+    CEILING, CONTROL_PEAK_BY, DRIFTING_POLE, EQUAL, NEIGHBOUR_MS, NOISE_SHARE, NORM_TOLERANCE, OVERSHOOT_BY,
     SEEN_ABOVE,
 };
 use crate::{DesignPlant, Error, Sampling};
@@ -96,9 +97,53 @@ pub struct LoopJudgement {
     pub step_gain: f64,
 }
 
-/// A plant beside the plant, under the hold.
+/// A plant under the hold.
+struct HeldPlant {
+    system: StateSpace,
+    /// The same, prepared for its frequency response.
+    response: Response,
+}
+
+impl HeldPlant {
+    fn of(plant: &DesignPlant, sampling: &Sampling) -> Result<Self, Error> {
+        let system = sampled_plant(plant, sampling)?;
+        Ok(Self { response: Response::of(&system)?, system })
+    }
+
+    fn all(plants: &[DesignPlant], sampling: &Sampling) -> Result<Vec<Self>, Error> {
+        plants.iter().map(|plant| Self::of(plant, sampling)).collect()
+    }
+
+    /// Returns whether the control acts on the reading as in another plant: states that differ are not seen.
+    fn acts_like(&self, other: &Self) -> bool {
+        let Timebase::Discrete { period_s } = self.system.timebase else { return false };
+        let rates: Vec<f64> = (0..RATES_COMPARED).map(|k| 2.0 / period_s * 0.5f64.powi(k)).collect();
+        let values = |plant: &Self| plant.response.at_all(&rates).ok();
+        let (Some(own), Some(others)) = (values(self), values(other)) else { return false };
+        let is_equal = |own: &CMat, other: &CMat| (own - other).norm_max() <= EQUAL * own.norm_max();
+        own.iter().zip(&others).all(|(own, other)| is_equal(own, other))
+    }
+}
+
+/// Frequencies at which two plants are compared, each half of the one before.
+const RATES_COMPARED: i32 = 16;
+
+/// A controller from the reading to the control, sampled, and prepared for its frequency response.
+struct HeldController {
+    system: StateSpace,
+    response: Response,
+}
+
+impl HeldController {
+    fn of(controller: &StateSpace, sampling: &Sampling) -> Result<Self, Error> {
+        let system = sampled_controller(controller, sampling)?.select(&[0], &[1]);
+        Ok(Self { response: Response::of(&system)?, system })
+    }
+}
+
+/// A plant beside the plant.
 struct Neighbour {
-    held: StateSpace,
+    plant: HeldPlant,
     /// Its lightly damped modes.
     modes_rad_s: Vec<f64>,
 }
@@ -108,18 +153,18 @@ pub(super) struct Judge<'a> {
     circumstances: &'a Circumstances,
     /// The sampling on which loops are judged, coarser than the real one if the delay is long.
     sampling: Sampling,
-    held: StateSpace,
+    held: HeldPlant,
     neighbours: Vec<Neighbour>,
-    others: Vec<StateSpace>,
-    within_tolerances: Vec<StateSpace>,
+    others: Vec<HeldPlant>,
+    within_tolerances: Vec<HeldPlant>,
     within_usual_ranges: Vec<UsualPlant>,
-    /// Those whose control is a usual delay later, under the hold.
-    with_usual_delay: Vec<StateSpace>,
+    /// Those with the lags that are usual.
+    with_usual_lags: Vec<HeldPlant>,
 }
 
-/// A plant at an end of what is usual, under the hold.
+/// A plant at an end of what is usual.
 struct UsualPlant {
-    held: StateSpace,
+    plant: HeldPlant,
     /// Largest sensitivity that the loop may have with it.
     max_sensitivity: f64,
 }
@@ -131,56 +176,35 @@ impl<'a> Judge<'a> {
     /// Those of the discretisation.
     pub fn new(circumstances: &'a Circumstances, neighbours: &[DesignPlant]) -> Result<Self, Error> {
         let sampling = &coarsen_sampling(&circumstances.sampling, &circumstances.plant);
-        let all = |plants: &[DesignPlant]| -> Result<Vec<StateSpace>, Error> {
-            plants.iter().map(|p| sampled_plant(p, sampling)).collect()
-        };
-        let held = sampled_plant(&circumstances.plant, sampling)?;
-        let mut others: Vec<StateSpace> = all(&circumstances.others)?;
+        let all = |plants: &[DesignPlant]| HeldPlant::all(plants, sampling);
+        let held = HeldPlant::of(&circumstances.plant, sampling)?;
+        let mut others = all(&circumstances.others)?;
         // What the linear plant leaves out of a loop of position is nothing.
-        others.retain(|other| *other != held);
+        others.retain(|other| other.system != held.system);
         let modes = neighbours.iter().map(light_modes).collect::<Result<Vec<_>, _>>()?;
         let neighbours = all(neighbours)?.into_iter().zip(modes);
-        let neighbours = neighbours.map(|(held, modes)| Neighbour {
-            held,
+        let neighbours = neighbours.map(|(plant, modes)| Neighbour {
+            plant,
             modes_rad_s: modes.iter().map(|mode| mode.norm()).collect(),
         });
-        let neighbours = neighbours.collect();
-        let within_tolerances = all(&circumstances.within_tolerances)?;
-        let mut within_usual_ranges = Vec::new();
-        for plant in &circumstances.usual.within_ranges {
-            let held = sampled_plant(plant, sampling)?;
-            let max_sensitivity = circumstances.margins.max_sensitivity;
-            within_usual_ranges.push(UsualPlant { held, max_sensitivity });
-            // Modes are shifted as the plant's own are: at the delay that is known.
-            if plant.late_reading != circumstances.plant.late_reading {
-                continue;
-            }
-            for shifted in shifted_modes(plant, &light_modes(plant)?)? {
-                let held = sampled_plant(&shifted, sampling)?;
-                within_usual_ranges.push(UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
-            }
-        }
-        let with_angles = all(&circumstances.usual.others_at_ends)?;
-        let with_angles =
-            with_angles.into_iter().map(|held| UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
-        within_usual_ranges.extend(with_angles);
-        let with_usual_delay = all(&circumstances.usual.with_delay)?;
-        for plant in &circumstances.usual.with_delay {
-            let shifted = all(&shifted_modes(plant, &light_modes(plant)?)?)?;
-            let shifted = shifted.into_iter().map(|held| UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
-            within_usual_ranges.extend(shifted);
-        }
         let sampling = sampling.clone();
         Ok(Self {
             circumstances,
-            sampling,
             held,
-            neighbours,
+            neighbours: neighbours.collect(),
             others,
-            within_tolerances,
-            within_usual_ranges,
-            with_usual_delay,
+            within_tolerances: all(&circumstances.within_tolerances)?,
+            within_usual_ranges: usual_plants(circumstances, &sampling)?,
+            with_usual_lags: all(&circumstances.usual.with_lags)?,
+            sampling,
         })
+    }
+
+    /// Returns the order of the largest plant under the hold.
+    pub fn largest_order(&self) -> usize {
+        let usual = self.within_usual_ranges.iter().map(|usual| &usual.plant);
+        let all = [&self.held].into_iter().chain(usual).chain(&self.with_usual_lags);
+        all.map(|plant| plant.system.order()).max().unwrap_or(0)
     }
 
     /// Puts the plants at the ends of what is usual into the order in which a loop uses up what is allowed with them, the hardest first: what is not borne
@@ -189,11 +213,11 @@ impl<'a> Judge<'a> {
     /// # Errors
     /// Those of the discretisation and the margins.
     pub fn put_hardest_first(&mut self, controller: &StateSpace, found: &LoopJudgement) -> Result<(), Error> {
-        let K = sampled_controller(controller, &self.sampling)?.select(&[0], &[1]);
+        let K = HeldController::of(controller, &self.sampling)?;
         let mut by_share = Vec::new();
-        for plant in std::mem::take(&mut self.within_usual_ranges) {
-            let sensitivity = sensitivity_beside(&plant.held, &K, rates_near_peaks(found), held_loop)?;
-            by_share.push((sensitivity / plant.max_sensitivity, plant));
+        for usual in std::mem::take(&mut self.within_usual_ranges) {
+            let sensitivity = sensitivity_beside(&usual.plant, &K, rates_near_peaks(found), held_loop)?;
+            by_share.push((sensitivity / usual.max_sensitivity, usual));
         }
         by_share.sort_by(|(a, _), (b, _)| b.total_cmp(a));
         self.within_usual_ranges = by_share.into_iter().map(|(_, plant)| plant).collect();
@@ -243,19 +267,20 @@ impl<'a> Judge<'a> {
         let [noise_rms, reading_step] = self.circumstances.reading();
         let sampling = &self.sampling;
         let both = sampled_controller(controller, sampling)?;
-        let K = both.select(&[0], &[1]);
-        let Some(loop_gain) = stable_loop(&self.held, &K)? else { return Ok(None) };
+        let K = HeldController::of(controller, sampling)?;
+        let held = &self.held.system;
+        let Some(loop_gain) = stable_loop(held, &K.system)? else { return Ok(None) };
         let nominal = candidate_margins(&loop_gain)?;
         let Some(bandwidth_rad_s) = lowest_fall(&loop_gain, &nominal) else { return Ok(None) };
         let crossover = nominal.phase.iter().map(|margin| margin.rate_rad_s).fold(0.0, f64::max);
         // The density of the noise is what the coarser samples keep.
         let thinned = (self.circumstances.sampling.period_s / sampling.period_s).sqrt();
-        let gain = thinned * noise_gain(&self.held, &K)?;
+        let gain = thinned * noise_gain(held, &K.system)?;
         let until_s = self.step_end(bandwidth_rad_s);
-        let step = step_response(&self.held, &both, until_s, sampling)?;
+        let step = step_response(held, &both, until_s, sampling)?;
         let mut found = LoopJudgement {
             bandwidth_rad_s,
-            closed_loop_rad_s: closed_loop_bandwidth(&self.held, &K, crossover)?,
+            closed_loop_rad_s: closed_loop_bandwidth(held, &K.system, crossover)?,
             gain_margin_db: nominal.gain_margin_db(),
             phase_margin_deg: nominal.phase_margin().map_or(f64::INFINITY, |margin| margin.deg.abs()),
             max_sensitivity: nominal.ms.value,
@@ -295,8 +320,8 @@ impl<'a> Judge<'a> {
     /// Those of the discretisation.
     pub fn loops(&self, controller: &StateSpace) -> Result<Vec<StateSpace>, Error> {
         let K = sampled_controller(controller, &self.sampling)?.select(&[0], &[1]).negate();
-        let beside = self.neighbours.iter().map(|neighbour| &neighbour.held);
-        std::iter::once(&self.held).chain(beside).map(|held| Ok(series(held, &K)?)).collect()
+        let beside = self.neighbours.iter().map(|neighbour| &neighbour.plant);
+        std::iter::once(&self.held).chain(beside).map(|plant| Ok(series(&plant.system, &K)?)).collect()
     }
 
     /// Returns the first of [`Self::loops`].
@@ -305,7 +330,7 @@ impl<'a> Judge<'a> {
     /// Those of the discretisation.
     pub fn nominal_loop(&self, controller: &StateSpace) -> Result<StateSpace, Error> {
         let K = sampled_controller(controller, &self.sampling)?.select(&[0], &[1]).negate();
-        Ok(series(&self.held, &K)?)
+        Ok(series(&self.held.system, &K)?)
     }
 
     /// Returns whether the loop of a controller with the plant certainly exceeds the required sensitivity: a few frequencies about an aim show it.
@@ -313,59 +338,56 @@ impl<'a> Judge<'a> {
     /// # Errors
     /// Those of the discretisation.
     pub fn exceeds_sensitivity(&self, controller: &StateSpace, aim_rad_s: f64) -> Result<bool, Error> {
-        let K = sampled_controller(controller, &self.sampling)?.select(&[0], &[1]);
-        let seen = largest_sensitivity(&self.held, &K, rates_about(aim_rad_s))?;
+        let K = HeldController::of(controller, &self.sampling)?;
+        let seen = largest_sensitivity(&self.held, &K, rates_about(aim_rad_s));
         Ok(seen > (1.0 + SEEN_ABOVE) * self.circumstances.margins.max_sensitivity)
     }
 
     /// The largest sensitivity over the plant and its neighbours; beyond what is borne, that of the first plant that exceeds it.
-    fn shifted_sensitivity(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
+    fn shifted_sensitivity(&self, K: &HeldController, nominal: &LoopJudgement) -> Result<f64, Error> {
         let mut worst = nominal.max_sensitivity;
-        for Neighbour { held, modes_rad_s } in &self.neighbours {
+        for Neighbour { plant, modes_rad_s } in &self.neighbours {
             if worst > NEIGHBOUR_MS {
                 break;
             }
             let rates =
                 modes_rad_s.iter().copied().flat_map(rates_near).chain(rates_about(nominal.bandwidth_rad_s));
-            worst = worst.max(sensitivity_beside(held, K, rates, stable_loop)?);
+            worst = worst.max(sensitivity_beside(plant, K, rates, stable_loop)?);
         }
         Ok(worst)
     }
 
-    /// The largest sensitivity over the plants at the ends of what is usual, over what is allowed with each, and what the margins with a usual delay
-    /// of the control need over what they have; above 1, that of the first plant that exceeds it.
-    fn share_over_usual_ranges(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
-        if let Some(seen) = self.seen_above_usual_ranges(K, nominal)? {
+    /// The largest sensitivity over the plants at the ends of what is usual, over what is allowed with each, and what the margins with usual lags
+    /// need over what they have; above 1, that of the first plant that exceeds it.
+    fn share_over_usual_ranges(&self, K: &HeldController, nominal: &LoopJudgement) -> Result<f64, Error> {
+        if let Some(seen) = self.seen_above_usual_ranges(K, nominal) {
             return Ok(seen);
         }
         let mut worst = 0.0_f64;
-        for UsualPlant { held, max_sensitivity } in &self.within_usual_ranges {
+        for UsualPlant { plant, max_sensitivity } in &self.within_usual_ranges {
             if worst > 1.0 {
                 break;
             }
-            worst = worst.max(sensitivity_of(held_loop(held, K)?)? / max_sensitivity);
+            worst = worst.max(sensitivity_of(held_loop(&plant.system, &K.system)?)? / max_sensitivity);
         }
-        for held in &self.with_usual_delay {
+        for plant in &self.with_usual_lags {
             if worst > 1.0 {
                 break;
             }
-            worst = worst.max(self.share_of_margins(held, K)?);
+            worst = worst.max(self.share_of_margins(&plant.system, &K.system)?);
         }
         Ok(worst)
     }
 
     /// The share of a plant at an end of what is usual that a few frequencies show to exceed what is allowed; `None` if they show none.
-    fn seen_above_usual_ranges(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<Option<f64>, Error> {
+    fn seen_above_usual_ranges(&self, K: &HeldController, nominal: &LoopJudgement) -> Option<f64> {
         let required = self.circumstances.margins.max_sensitivity;
-        let with_delay = self.with_usual_delay.iter().map(|held| (held, required));
-        let at_ends = self.within_usual_ranges.iter().map(|usual| (&usual.held, usual.max_sensitivity));
-        for (held, allowed) in at_ends.chain(with_delay) {
-            let share = largest_sensitivity(held, K, rates_near_peaks(nominal))? / allowed;
-            if share > 1.0 + SEEN_ABOVE {
-                return Ok(Some(share));
-            }
-        }
-        Ok(None)
+        let with_lags = self.with_usual_lags.iter().map(|plant| (plant, required));
+        let at_ends = self.within_usual_ranges.iter().map(|usual| (&usual.plant, usual.max_sensitivity));
+        let mut shares = at_ends
+            .chain(with_lags)
+            .map(|(plant, allowed)| largest_sensitivity(plant, K, rates_near_peaks(nominal)) / allowed);
+        shares.find(|share| *share > 1.0 + SEEN_ABOVE)
     }
 
     /// The largest share of the required margins, and of the highest frequency of the closed loop, that a loop with another plant uses up;
@@ -385,6 +407,36 @@ impl<'a> Judge<'a> {
         ];
         Ok(shares.into_iter().fold(0.0, f64::max))
     }
+}
+
+/// Returns the plants at the ends of what is usual with the sensitivities that are allowed, without those that the reading does not tell from one before them.
+fn usual_plants(given: &Circumstances, sampling: &Sampling) -> Result<Vec<UsualPlant>, Error> {
+    let mut usual: Vec<UsualPlant> = Vec::new();
+    let mut add = |plant: &DesignPlant, max_sensitivity: f64| -> Result<(), Error> {
+        let plant = HeldPlant::of(plant, sampling)?;
+        if !usual.iter().any(|known| known.plant.acts_like(&plant)) {
+            usual.push(UsualPlant { plant, max_sensitivity });
+        }
+        Ok(())
+    };
+    for plant in &given.usual.within_ranges {
+        add(plant, given.margins.max_sensitivity)?;
+        // Modes are shifted as the plant's own are: at the delay that is known.
+        if plant.late_reading == given.plant.late_reading {
+            for shifted in shifted_modes(plant, &light_modes(plant)?)? {
+                add(&shifted, NEIGHBOUR_MS)?;
+            }
+        }
+    }
+    for plant in &given.usual.with_lags {
+        for shifted in shifted_modes(plant, &light_modes(plant)?)? {
+            add(&shifted, NEIGHBOUR_MS)?;
+        }
+    }
+    for plant in &given.usual.others_at_ends {
+        add(plant, NEIGHBOUR_MS)?;
+    }
+    Ok(usual)
 }
 
 /// Returns the sampling with a longer period if its delay has more samples than [`MOST_DELAY_SAMPLES`]; the delay is not
@@ -541,16 +593,16 @@ fn loop_with_poles(
 /// The largest sensitivity with a plant beside the plant, infinite if there is no such loop; that at some frequencies if they show already
 /// that it is not borne.
 fn sensitivity_beside(
-    plant: &StateSpace,
-    K: &StateSpace,
+    plant: &HeldPlant,
+    K: &HeldController,
     rates_rad_s: impl Iterator<Item = f64>,
     loop_of: fn(&StateSpace, &StateSpace) -> Result<Option<StateSpace>, Error>,
 ) -> Result<f64, Error> {
-    let seen = largest_sensitivity(plant, K, rates_rad_s)?;
+    let seen = largest_sensitivity(plant, K, rates_rad_s);
     if seen > (1.0 + SEEN_ABOVE) * NEIGHBOUR_MS {
         return Ok(seen);
     }
-    sensitivity_of(loop_of(plant, K)?)
+    sensitivity_of(loop_of(&plant.system, &K.system)?)
 }
 
 /// The largest sensitivity of a loop; infinite if there is none.
@@ -559,7 +611,7 @@ fn sensitivity_of(loop_gain: Option<StateSpace>) -> Result<f64, Error> {
 }
 
 /// The largest sensitivity over plants whose loops may drift, 0 without any; beyond what is borne, that of the first plant that exceeds it.
-fn worst_beside(plants: &[StateSpace], K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
+fn worst_beside(plants: &[HeldPlant], K: &HeldController, nominal: &LoopJudgement) -> Result<f64, Error> {
     let mut worst = 0.0_f64;
     for plant in plants {
         if worst > NEIGHBOUR_MS {
@@ -577,16 +629,11 @@ fn rates_near_peaks(nominal: &LoopJudgement) -> impl Iterator<Item = f64> {
 }
 
 /// The largest sensitivity at some frequencies; those above half the sample rate and on a pole are left out.
-fn largest_sensitivity(
-    plant: &StateSpace,
-    K: &StateSpace,
-    rates_rad_s: impl Iterator<Item = f64>,
-) -> Result<f64, Error> {
-    let loop_gain = series(plant, &K.negate())?;
-    let Timebase::Discrete { period_s } = loop_gain.timebase else { return Ok(0.0) };
+fn largest_sensitivity(plant: &HeldPlant, K: &HeldController, rates_rad_s: impl Iterator<Item = f64>) -> f64 {
+    let Timebase::Discrete { period_s } = plant.system.timebase else { return 0.0 };
     let rates: Vec<f64> = rates_rad_s.filter(|rate| rate * period_s < PI).collect();
-    let Ok(values) = frequency_response(&loop_gain, &rates) else { return Ok(0.0) };
-    Ok(values.iter().map(|L| (C64::ONE + L[(0, 0)]).norm().recip()).fold(0.0, f64::max))
+    let (Ok(P), Ok(K)) = (plant.response.at_all(&rates), K.response.at_all(&rates)) else { return 0.0 };
+    P.iter().zip(&K).map(|(P, K)| (C64::ONE - P[(0, 0)] * K[(0, 0)]).norm().recip()).fold(0.0, f64::max)
 }
 
 /// A few frequencies from a quarter of one to sixteen times it: where a crossover leaves a peak.
@@ -606,7 +653,7 @@ fn noise_gain(plant: &StateSpace, K: &StateSpace) -> Result<f64, Error> {
 
 /// Highest frequency of a grid at which |T| is at least 0.707, rad/s.
 fn closed_loop_bandwidth(plant: &StateSpace, K: &StateSpace, crossover: f64) -> Result<f64, Error> {
-    let response = counterpoise_lti::Response::of(&series(plant, &K.negate())?)?;
+    let response = Response::of(&series(plant, &K.negate())?)?;
     let mut highest = crossover;
     for k in 0..=BANDWIDTH_POINTS {
         let rate = crossover * BANDWIDTH_REACH.powf(f64::from(k) / f64::from(BANDWIDTH_POINTS));

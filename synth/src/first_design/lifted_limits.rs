@@ -16,7 +16,7 @@ use super::scan::{Candidate, FurtherShapes, PER_DECADE, Scan, TriedFeedback};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, BandwidthLimit, LimitKind, Unknown};
 use crate::modes::stiffen;
-use crate::tolerance::{HIGHER_BANDWIDTH, NEARLY_USED_UP};
+use crate::tolerance::{HIGHER_BANDWIDTH, NEARLY_USED_UP, SHARE_FOR_LIMITS};
 use crate::{DesignPlant, Error, Sampling};
 use counterpoise_pool::Pool;
 
@@ -52,6 +52,7 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &TriedFeedback) -> Result<Bandwi
     let limits = scan.summary();
     // One limit at a time is left out: what misses two is not the answer without either.
     scan.judge_up_to(2);
+    scan.limit_designs_to(SHARE_FOR_LIMITS);
     let kinds: Vec<LimitKind> = limits.iter().map(|limit| limit.kind).collect();
     let (missed, causes) = search_in_parallel(scan, found, &kinds)?;
     let mut shown = Vec::new();
@@ -187,6 +188,7 @@ impl<'a> SharedSearch<'a> {
         lifted.unknown.clone_from(&self.unknown);
         lifted.adopt_shapes(&self.shapes, self.further_shapes);
         lifted.judge_up_to(1);
+        lifted.limit_designs_to(SHARE_FOR_LIMITS);
         let highest = climb_all(&mut lifted, found.aim_rad_s, &[])?;
         higher_loop(&lifted, highest.get(&Vec::new()), found.judgement.bandwidth_rad_s)
     }
@@ -263,7 +265,7 @@ fn has_loop(
     left_out: &[LimitKind],
     highest: &mut HighestFeedbacks,
 ) -> Result<bool, Error> {
-    let Some(&aim) = aims.first() else { return Ok(false) };
+    let Some(&aim) = aims.first().filter(|_| scan.may_design_more()) else { return Ok(false) };
     let usual = |aim: &f64| {
         let aim_rad_s = *aim;
         (0..MORE_PHASE).map(move |shape| Candidate { aim_rad_s, shape })

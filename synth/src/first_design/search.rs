@@ -50,8 +50,7 @@ impl Scan<'_> {
         if is_slow && self.gain.load.is_some() {
             self.damp_load(highest)?;
         }
-        let has_modes = !self.gain.modes.is_empty();
-        let may_stiffen = self.circumstances.may_stiffen_modes && has_modes && is_slow;
+        let may_stiffen = self.circumstances.may_stiffen_modes && self.has_modes && is_slow;
         if let Some(best) = self.best.clone() {
             let controller = self.controller(&best.weights, best.position_gain)?;
             self.judge.put_hardest_first(&controller, &best.judgement)?;
@@ -88,8 +87,8 @@ impl Scan<'_> {
         // Where a wide variation does not help, a narrow one hardly does.
         let [wide, narrow] = VARIATIONS;
         if self.vary(wide)? {
-            while self.vary(wide)? {}
-            while self.vary(narrow)? {}
+            while self.may_design_more() && self.vary(wide)? {}
+            while self.may_design_more() && self.vary(narrow)? {}
         }
         self.judge_by(Thoroughness::Everything);
         Ok(())
@@ -177,7 +176,7 @@ impl Scan<'_> {
         upcoming: impl Fn(f64) -> Vec<Candidate>,
     ) -> Result<(), Error> {
         let mut aim = highest_rad_s;
-        while ABOVE_AIM * aim > self.best_bandwidth() && aim > lowest_rad_s {
+        while ABOVE_AIM * aim > self.best_bandwidth() && aim > lowest_rad_s && self.may_design_more() {
             for (k, shape) in shapes.clone().enumerate() {
                 self.look_ahead(upcoming(aim).into_iter().skip(k));
                 self.improve(aim, shape)?;
