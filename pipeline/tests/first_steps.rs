@@ -286,8 +286,8 @@ at_least = 60
 const DIRECT: &str = "format = 2
 plant.lumped.hub_inertia = \"0.02 kg m^2\"
 plant.motor = { torque_constant = \"0.3 N m/A\" }
-plant.drive = { kind = \"current\", limit = \"5 A\", delay = 0.0 }
-plant.sensors.hub_gyro = { noise = \"0.01 deg/s\", delay = \"0 ms\" }
+plant.drive = { kind = \"current\", limit = \"5 A\", bandwidth = \"unlimited\", delay = 0.0 }
+plant.sensors.hub_gyro = { noise = \"0.01 deg/s\", delay = \"0 ms\", natural_frequency = \"unlimited\" }
 plant.interface = { sample_period = \"250 us\", output_delay_samples = 0 }
 verify.step.rate = 0.05
 ";

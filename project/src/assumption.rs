@@ -17,9 +17,9 @@ pub(crate) const SLOWEST_USUAL_READING_RAD_S: f64 = 1885.0;
 /// Lowest natural frequency that is usual for an encoder with its interpolation or filter, or for a current sensor, rad/s: 1 kHz.
 pub(crate) const SLOWEST_USUAL_COUNT_RAD_S: f64 = 6283.0;
 /// Lowest bandwidth of a drive's current loop that is usual, rad/s: 500 Hz.
-pub(crate) const SLOWEST_USUAL_DRIVE_RAD_S: f64 = 3142.0;
+pub const SLOWEST_USUAL_DRIVE_RAD_S: f64 = 3142.0;
 /// Latest action that is usual for a drive that controls its current, s: it samples its command with its own clock, and switches a period later.
-pub(crate) const LATEST_USUAL_DRIVE_S: f64 = 2e-4;
+pub const LATEST_USUAL_DRIVE_S: f64 = 2e-4;
 
 /// A value that the file does not have and that a default stands in for.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -23,7 +23,10 @@ pub mod starters;
 mod tolerance;
 pub mod unit;
 
-pub use assumption::{Assumption, KeyTolerance, LATEST_USUAL_READING_S, ToleranceKind};
+pub use assumption::{
+    Assumption, KeyTolerance, LATEST_USUAL_DRIVE_S, LATEST_USUAL_READING_S, SLOWEST_USUAL_DRIVE_RAD_S,
+    ToleranceKind,
+};
 pub use diagnostic::{Diagnostic, Severity};
 pub use file::{Attachments, Document, FORMAT, SettingValue};
 pub use resolve::design::{ExportRequest, Language, ReductionMethod, ReductionOptions};

@@ -237,7 +237,7 @@ fn what_is_wrong_with_an_import_is_told_at_the_key_that_names_the_file() {
 fn a_gyroscope_is_no_sensor_of_a_slide() {
     let starter = include_str!("../src/starters/linear-axis.toml");
     let file = starter
-        .replace("[plant.sensors.tachometer]\nplace = \"motor\"", "[plant.sensors.hub_gyro]\nnoise = 1e-4");
+        .replace("tachometer = { place = \"motor\", natural_frequency", "hub_gyro = { natural_frequency");
     let errors = error_texts(&Document::parse(&file, "slide.toml"), &Attachments::default());
     let told = |text: &String| text.contains("hub_gyro") && text.contains("no sensor of a slide");
     assert_eq!(errors.iter().filter(|text| told(text)).count(), 1, "{errors:?}");

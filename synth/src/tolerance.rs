@@ -289,8 +289,12 @@ pub(crate) const LEAST_FIGURE: f64 = 1e-300;
 /// that misses a limit by its exact figures is left out at the end.
 pub(crate) const FRONT_GRID_SHARE: f64 = 1e-3;
 
-/// Designs that the search for a first design makes at most before it ends with the best that it has: a few seconds of one processor. With 200 the further searches of
-/// a table over a ball screw were cut off, and its bandwidth was 24 rad/s in place of 360.
-pub(crate) const MOST_DESIGNS: usize = 1000;
+/// Work of the search for a first design, in designs times the third power of the order of the largest loop that is judged: a few seconds of one processor. The
+/// search ends with the best that it has.
+pub(crate) const WORK_OF_SEARCH: usize = 40_000_000;
+/// Designs of such a search at least: with 200 the further searches of a table over a ball screw were cut off, and its bandwidth was 24 rad/s in place of 360.
+pub(crate) const FEWEST_DESIGNS: usize = 1000;
+/// Designs of such a search at most.
+pub(crate) const MOST_DESIGNS: usize = 2000;
 /// Share of the designs of the search that each search for what limits the answer may take again.
 pub(crate) const SHARE_FOR_LIMITS: f64 = 0.3;

@@ -316,7 +316,7 @@ ball_screw = { lead = "5 mm", stiffness = "20 N/um", backlash = "2 um" }
 motor = { inertia = "1.2 kg cm^2", torque_constant = "0.5 N m/A" }
 friction.pivot = { viscous = 40.0, model = "coulomb", coulomb = "0.1 N" }
 drive = { kind = "current", limit = "9 A", bandwidth = "900 Hz", delay = "0.1 ms" }
-sensors = { encoder = { place = "motor", counts = "20 bit", delay = "0.05 ms" } }
+sensors = { encoder = { place = "motor", counts = "20 bit", delay = "0.05 ms", natural_frequency = "unlimited" } }
 interface = { sample_period = "0.25 ms", output_delay_samples = 1 }
 [synth]
 loop = "cascade"

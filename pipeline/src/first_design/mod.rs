@@ -5,6 +5,7 @@
 //! weights: written into the project file, they can be edited from there.
 
 mod tolerance_corners;
+mod usual_lags;
 mod usual_ranges;
 
 use std::f64::consts::{SQRT_2, TAU};
@@ -230,19 +231,14 @@ fn circumstances(
     let open = OpenValues::of(project);
     let with_angles = with_angles(project, modelled, &plant)?;
     let nominal = BothPlants { as_designed: plant, with_angles };
-    let mut at_ends = open.plants_at_ends(project, asked, &nominal)?;
-    at_ends.with_angles.extend(open.plants_with_delay(p, &nominal.with_angles)?);
+    let usual = open.usual_plants(project, asked, &nominal)?;
     let BothPlants { as_designed: plant, with_angles: nominal } = nominal;
     let reading = &p.sensors.hub_gyro;
     let motions = project.verify.as_ref().map(|asked| &asked.procedure);
     // A feedforward acts on the load's rate, which a loop of torque or current does not hold.
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
-        usual: UsualPlants {
-            within_ranges: at_ends.as_designed,
-            others_at_ends: at_ends.with_angles,
-            with_delay: open.plants_with_delay(p, &plant)?,
-        },
+        usual,
         others: plants_beside(modelled, &plant, nominal)?,
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
         usual_reading: open.usual_reading(p),

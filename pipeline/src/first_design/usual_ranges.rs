@@ -1,26 +1,40 @@
 //! The values that a project file leaves open, at the worst that is usual, for a first design to hold.
 //!
 //! A transmission whose stiffness is not stated is rigid in model and simulator, and a sensor has neither noise nor lag. A loop that is as quick as they allow may be
-//! unstable, or drown in noise, on the machine. So the loop must hold the machine with the softest transmission and the latest sensor that are usual, and its
-//! control must bear the noise and the steps of a usual sensor. A control whose delay is not stated acts at once in model and simulator, and up to a
-//! sample later on the machine: the loop keeps its margins with that delay too. Other ranges are covered otherwise: damping by the modes that are taken as half as damped, the
+//! unstable, or drown in noise, on the machine. So the loop must hold the machine with transmissions and joints from the softest that are usual to rigid ones, with the
+//! least damping and with the lags that are usual (`usual_lags`), and its
+//! control must bear the noise and the steps of a usual sensor. Other ranges are covered otherwise: the
 //! ten percent of a back-EMF by the margins; what is known within decades, such as the torque at full control, by the ceiling of the
 //! bandwidth.
 
-use counterpoise_lti::{pade, series};
-use counterpoise_models::parameters::Transmission;
-use counterpoise_models::{AxisKind, FeedbackSignal, IDEAL_CONVERTER_BITS, Parameters};
-use counterpoise_project::resolve::synthesis::DesignRequest;
-use counterpoise_project::{Assumption, LATEST_USUAL_READING_S, Project};
-use counterpoise_synth::{DesignPlant, LateReading, Unknown, UsualReading};
+use std::f64::consts::FRAC_PI_2;
 
+use counterpoise_lti::poles;
+use counterpoise_models::parameters::Transmission;
+use counterpoise_models::{AmplifierDynamics, AxisKind, FeedbackSignal, IDEAL_CONVERTER_BITS, Parameters};
+use counterpoise_project::resolve::synthesis::DesignRequest;
+use counterpoise_project::{Assumption, Project};
+use counterpoise_synth::{DesignPlant, Unknown, UsualPlants, UsualReading};
+
+use super::usual_lags::{CONTROL_DELAY, UsualLags};
 use super::with_angles;
 use crate::synth::design_plant;
-use crate::tolerance::WHOLE_SAMPLES;
 use crate::{PipelineError, build_plant_model, reduce_plant};
 
 /// Last parts of the keys whose values set modes.
 const MODES: [&str; 2] = ["stiffness", "bulk_modulus"];
+/// Last part of the keys whose values set modes up to rigid ones.
+const STIFFNESS: &str = "stiffness";
+/// Last parts of the keys whose values damp modes.
+const DAMPING: [&str; 2] = ["damping", "modal_damping"];
+/// Keys of the lags of a drive that takes a voltage, at the ends of their ranges.
+const LAGS_OF_DRIVE: [&str; 3] =
+    ["plant.motor.inductance", "plant.drive.time_constant", "plant.amplifier.time_constant"];
+/// Stiffnesses from the softest that is usual to one whose mode the clock hides, at most. A collocated loop is limited by a mode near its bandwidth more than
+/// by the softest.
+const MOST_STIFFNESSES: usize = 4;
+/// Quotient of the frequencies of neighbouring ones, at least: the modes of each are shifted by 15 % either way as well.
+const NEXT_STIFFNESS: f64 = 1.5;
 /// Last parts of the keys that state the step of a reading, and whether a low number means a large step.
 const STEPS: [(&str, bool); 2] = [("counts", true), ("resolution", false)];
 /// Noise density of a gyroscope of which nothing is known, rad/s over the root of a hertz: 0.01 degrees a second, as the data sheets of most
@@ -31,12 +45,6 @@ const GYROSCOPE_NOISE: f64 = 1.7e-4;
 const USUAL_ROTORS: [f64; 2] = [0.1, 0.5];
 /// Key of the rotor's inertia.
 const ROTOR_INERTIA: &str = "plant.motor.inertia";
-/// Key of the delay of the control.
-const CONTROL_DELAY: &str = "plant.interface.output_delay_samples";
-/// Key of the delay of a drive that controls its current.
-const DRIVE_DELAY: &str = "plant.drive.delay";
-/// Order of the approximation of a delay that is usual: its phase is right to 1e-5 rad up to the inverse of the delay.
-const DELAY_ORDER: usize = 3;
 
 /// Returns the key of a project that states what is not known.
 pub fn unknown_key(project: &Project, fact: Unknown) -> String {
@@ -53,8 +61,6 @@ pub fn unknown_key(project: &Project, fact: Unknown) -> String {
 /// The values that a project leaves open.
 pub(super) struct OpenValues {
     assumptions: Vec<Assumption>,
-    /// Latest reading that is usual for the loop's sensor, s.
-    latest_usual_reading_s: f64,
     /// The facts of which the file states that there is nothing: they are not open.
     known_absent: Vec<Unknown>,
 }
@@ -72,70 +78,97 @@ impl OpenValues {
         let mut known_absent: Vec<Unknown> = stated.map(|(fact, _)| fact).collect();
         let assumptions = project.assumptions();
         let states_rigid = project.stated_defaults.iter().any(|key| MODES.contains(&last_part(key)));
-        // Of one body the file may assume that it is rigid, without a range.
         let is_open = |open: &Assumption| MODES.contains(&last_part(&open.key)) && open.usual.is_some();
         if states_rigid && !assumptions.iter().any(is_open) {
             known_absent.push(Unknown::Structure);
         }
-        let delay = assumptions.iter().find(|assumption| assumption.key == sensor("delay"));
-        let usual = delay.and_then(|assumption| assumption.usual);
-        let latest_usual_reading_s = usual.map_or(LATEST_USUAL_READING_S, |[_, latest]| latest);
-        Self { assumptions, latest_usual_reading_s, known_absent }
+        Self { assumptions, known_absent }
     }
 
-    /// Returns the plants at the ends of the usual ranges of what is left open, given the plant as it is modelled. A plant that cannot be built is left out.
+    /// Returns the plants at the worst that is usual for what is left open, given the plant as it is modelled. A plant that cannot be built is left out.
     ///
     /// # Errors
-    /// Those of the approximation of a delay.
-    pub fn plants_at_ends(
+    /// Those of the lags.
+    pub fn usual_plants(
         &self,
         project: &Project,
         asked: &DesignRequest,
         nominal: &BothPlants,
-    ) -> Result<PlantsAtEnds, PipelineError> {
-        let of_modes =
-            self.assumptions.iter().filter(|assumption| MODES.contains(&last_part(&assumption.key)));
-        let ends = of_modes.flat_map(|assumption| {
-            let ends = assumption.usual.into_iter().flatten();
-            ends.filter(|end| end.is_finite() && *end != assumption.value).map(|end| (&assumption.key, end))
-        });
-        let machines = with_usual_rotors(project);
-        let at_end = |(key, value): (&String, f64)| -> Vec<BothPlants> {
-            machines.iter().filter_map(|machine| plant_with(machine, asked, key, value)).collect()
-        };
-        let ends: Vec<BothPlants> = ends.flat_map(at_end).collect();
-        let of_form = |form: fn(&BothPlants) -> &DesignPlant| {
-            self.with_usual_delays(&project.plant, form(nominal), ends.iter().map(form))
-        };
-        Ok(PlantsAtEnds {
-            as_designed: of_form(|plants| &plants.as_designed)?,
-            with_angles: of_form(|plants| &plants.with_angles)?,
-        })
-    }
-
-    /// Returns the plant whose control acts later by what is usual, if the delay of the control or that of its drive is not stated.
-    ///
-    /// # Errors
-    /// Those of the sensor.
-    pub fn plants_with_delay(
-        &self,
-        machine: &Parameters,
-        nominal: &DesignPlant,
-    ) -> Result<Vec<DesignPlant>, PipelineError> {
-        match self.open_control_samples(machine) {
-            0 => Ok(Vec::new()),
-            samples => Ok(vec![delay_control(nominal, machine, samples)?]),
+    ) -> Result<UsualPlants, PipelineError> {
+        let lags = UsualLags::of(project, &self.assumptions);
+        let undamped = with_least_damping(project);
+        let machine = undamped.as_ref().unwrap_or(project);
+        let slow = undamped.as_ref().and_then(|machine| plants_of(machine, asked));
+        let at_ends = self.plants_at_ends(machine, asked);
+        let mut plants = vec![(slow.clone(), at_ends, UsualLags::NONE)];
+        if lags.has_reading_lags() {
+            plants.push((slow.clone(), plants[0].1.clone(), lags.reading_lags()));
         }
+        let lagging = self.with_lagging_drive(machine);
+        if lags.has_control_lags() || lagging.is_some() {
+            let at_ends = lagging.as_ref().map(|machine| self.plants_at_ends(machine, asked));
+            let own = lagging.as_ref().and_then(|machine| plants_of(machine, asked));
+            let at_ends = at_ends.unwrap_or_else(|| plants[0].1.clone());
+            plants.push((own.or(slow), at_ends, lags));
+        }
+        let mut usual = UsualPlants::default();
+        for (own, at_ends, lags) in plants {
+            let late = |plant: &DesignPlant| lags.late_plant(plant, &project.plant);
+            for plants in &at_ends {
+                usual.within_ranges.push(late(&plants.as_designed)?);
+                usual.others_at_ends.push(late(&plants.with_angles)?);
+            }
+            let own = own.as_ref().unwrap_or(nominal);
+            if lags.is_none() && own == nominal {
+                continue;
+            }
+            usual.others_at_ends.push(late(&own.with_angles)?);
+            usual.with_lags.push(late(&own.as_designed)?);
+        }
+        Ok(usual)
     }
 
-    /// Returns the samples by which the control and its drive usually act later than is stated: each of the two delays is open by itself.
-    fn open_control_samples(&self, machine: &Parameters) -> usize {
-        let latest = |key: &str| {
-            let open = self.assumptions.iter().find(|open| open.key == key);
-            open.and_then(|open| open.usual).map_or(0.0, |[_, latest]| latest)
+    /// Returns the plants of a machine at the ends of the usual ranges of what sets modes.
+    fn plants_at_ends(&self, machine: &Project, asked: &DesignRequest) -> Vec<BothPlants> {
+        let machines = with_usual_rotors(machine);
+        let mut found = Vec::new();
+        for open in self.assumptions.iter().filter(|open| MODES.contains(&last_part(&open.key))) {
+            for machine in &machines {
+                let at = |value: f64| plants_of(&with_least_damping_at(machine, &open.key, value)?, asked);
+                let ends = open.usual.into_iter().flatten();
+                let ends = ends.filter(|end| end.is_finite() && *end != open.value);
+                let ends: Vec<(f64, BothPlants)> =
+                    ends.filter_map(|value| Some((value, at(value)?))).collect();
+                let stiffer = match ends.first() {
+                    Some((softest, plants)) if last_part(&open.key) == STIFFNESS => {
+                        stiffer_values(*softest, plants, machine)
+                    }
+                    _ => Vec::new(),
+                };
+                found.extend(ends.into_iter().map(|(_, plants)| plants));
+                found.extend(stiffer.into_iter().filter_map(at));
+            }
+        }
+        found
+    }
+
+    /// Returns the machine with the lags of a drive that takes a voltage at the ends of their usual ranges; `None` if none is open.
+    fn with_lagging_drive(&self, machine: &Project) -> Option<Project> {
+        if machine.plant.amplifier.dynamics != AmplifierDynamics::Modelled {
+            return None;
+        }
+        // A drive that takes a voltage has become an amplifier, whose keys are not those that the file states.
+        let states = |key: &str| match key.strip_prefix("plant.amplifier.") {
+            Some(key) => machine.stated_defaults.contains(&format!("plant.drive.{key}")),
+            None => false,
         };
-        let of_drive = latest(DRIVE_DELAY) / machine.interface.sample_period_s;
-        (latest(CONTROL_DELAY) + (of_drive - WHOLE_SAMPLES).ceil().max(0.0)) as usize
+        let open = self.assumptions.iter().filter(|open| LAGS_OF_DRIVE.contains(&open.key.as_str()));
+        let open = open.filter(|open| !states(&open.key));
+        let ends = open.filter_map(|open| Some((&open.key, open.usual?[1])));
+        ends.fold(None, |lagging: Option<Project>, (key, end)| {
+            let changed = lagging.as_ref().unwrap_or(machine).with_number(key, end);
+            changed.or(lagging)
+        })
     }
 
     /// Returns the step of a reading that is known, in the measured unit; 0 if none is.
@@ -176,86 +209,17 @@ impl OpenValues {
         };
         self.assumptions.iter().filter_map(step).fold(0.0, f64::max)
     }
-
-    /// The delay that is usual for a sensor of which no lag is known, s.
-    fn usual_delay_s(&self, plant: &Parameters) -> f64 {
-        let reading = &plant.sensors.hub_gyro;
-        let states_delay = reading.delay_s > 0.0 || self.known_absent.contains(&Unknown::Sensor);
-        let knows_lag = reading.natural_frequency_rad_s.is_finite() || states_delay;
-        match knows_lag {
-            true => 0.0,
-            false => self.latest_usual_reading_s,
-        }
-    }
-
-    /// Returns plants that differ from the nominal one, then these and the nominal one with a usual delay of the reading, then all with one of the control,
-    /// where no such delay is known.
-    fn with_usual_delays<'a>(
-        &self,
-        machine: &Parameters,
-        nominal: &DesignPlant,
-        ends: impl Iterator<Item = &'a DesignPlant>,
-    ) -> Result<Vec<DesignPlant>, PipelineError> {
-        let mut plants: Vec<DesignPlant> = ends.filter(|plant| *plant != nominal).cloned().collect();
-        let delay_s = self.usual_delay_s(machine);
-        if delay_s > 0.0 {
-            let late = plants.iter().chain([nominal]).map(|plant| delay_reading(plant, machine, delay_s));
-            let late = late.collect::<Result<Vec<_>, _>>()?;
-            plants.extend(late);
-        }
-        let samples = self.open_control_samples(machine);
-        if samples > 0 {
-            let delayed = plants.iter().map(|plant| delay_control(plant, machine, samples));
-            let delayed = delayed.collect::<Result<Vec<_>, _>>()?;
-            plants.extend(delayed);
-        }
-        Ok(plants)
-    }
 }
 
 fn last_part(key: &str) -> &str {
     key.rsplit('.').next().unwrap_or(key)
 }
 
-/// Returns a plant whose readings come later.
-fn delay_reading(
-    plant: &DesignPlant,
-    machine: &Parameters,
-    delay_s: f64,
-) -> Result<DesignPlant, PipelineError> {
-    let known = plant.late_reading.clone();
-    let (dynamics, known_s) = match known {
-        Some(reading) => (reading.dynamics, reading.delay_s),
-        None => (machine.sensors.hub_gyro.dynamics()?, 0.0),
-    };
-    let dynamics = series(&dynamics, &pade(delay_s, DELAY_ORDER)?)?;
-    Ok(DesignPlant { late_reading: Some(LateReading { dynamics, delay_s: known_s }), ..plant.clone() })
-}
-
-/// Returns a plant whose control acts some samples later: in a loop of one signal it does not matter where a delay is.
-fn delay_control(
-    plant: &DesignPlant,
-    machine: &Parameters,
-    samples: usize,
-) -> Result<DesignPlant, PipelineError> {
-    let late_reading = match plant.late_reading.clone() {
-        Some(reading) => reading,
-        None => LateReading { dynamics: machine.sensors.hub_gyro.dynamics()?, delay_s: 0.0 },
-    };
-    let delay_s = late_reading.delay_s + samples as f64 * machine.interface.sample_period_s;
-    Ok(DesignPlant { late_reading: Some(LateReading { delay_s, ..late_reading }), ..plant.clone() })
-}
-
 /// A plant as the design takes it, and with the hub's angles among its states, where gravity's gradient and a spring act.
+#[derive(Clone, PartialEq)]
 pub(super) struct BothPlants {
     pub as_designed: DesignPlant,
     pub with_angles: DesignPlant,
-}
-
-/// The plants at the ends of usual ranges, in both forms.
-pub(super) struct PlantsAtEnds {
-    pub as_designed: Vec<DesignPlant>,
-    pub with_angles: Vec<DesignPlant>,
 }
 
 /// Returns the machine as it is, or, if a transmission drives it from a rotor of which nothing is known, with a part of its inertia in that rotor: a transmission that
@@ -279,11 +243,44 @@ fn with_usual_rotors(project: &Project) -> Vec<Project> {
     USUAL_ROTORS.map(with_share).to_vec()
 }
 
-/// Returns the plants of the design with a value of the file changed; `None` if there are none.
-fn plant_with(project: &Project, asked: &DesignRequest, key: &str, value: f64) -> Option<BothPlants> {
-    let changed = project.with_number(key, value)?;
-    let made = build_plant_model(&changed).ok()?;
-    let as_designed = design_plant(asked, &made, &reduce_plant(&changed, &made).ok()?).ok()?;
-    let with_angles = with_angles(&changed, &made, &as_designed).ok()?;
+/// Returns the machine with every damping that is left open at its lowest usual value; `None` if none is open.
+fn with_least_damping(machine: &Project) -> Option<Project> {
+    let open = machine.assumptions();
+    let open = open.iter().filter(|open| DAMPING.contains(&last_part(&open.key)));
+    let lowest = open.filter_map(|open| Some((&open.key, open.usual?[0], open.value)));
+    let lowest = lowest.filter(|(_, low, value)| low < value);
+    lowest.fold(None, |changed: Option<Project>, (key, low, _)| {
+        let lower = changed.as_ref().unwrap_or(machine).with_number(key, low);
+        lower.or(changed)
+    })
+}
+
+/// Returns the machine with another value, and every damping that is left open at its lowest usual value; `None` if there is none.
+fn with_least_damping_at(machine: &Project, key: &str, value: f64) -> Option<Project> {
+    let changed = machine.with_number(key, value)?;
+    Some(with_least_damping(&changed).unwrap_or(changed))
+}
+
+/// Returns stiffnesses between the softest, whose plants are known, and one whose mode the clock hides.
+fn stiffer_values(softest: f64, plants: &BothPlants, machine: &Project) -> Vec<f64> {
+    let Ok(found) = poles(&plants.as_designed.system) else { return Vec::new() };
+    let modes = found.iter().filter(|pole| pole.im > 0.0 && pole.re.abs() < 0.5 * pole.norm());
+    let slowest = modes.map(|pole| pole.norm()).fold(f64::INFINITY, f64::min);
+    // A quarter of the sample rate.
+    let highest = FRAC_PI_2 / machine.plant.interface.sample_period_s;
+    if slowest.is_infinite() || slowest * NEXT_STIFFNESS > highest {
+        return Vec::new();
+    }
+    let steps = ((highest / slowest).ln() / NEXT_STIFFNESS.ln()).ceil();
+    let steps = (steps as usize).clamp(1, MOST_STIFFNESSES - 1);
+    let factor = (highest / slowest).powf(2.0 / steps as f64);
+    (1..=steps).map(|k| softest * factor.powi(k as i32)).collect()
+}
+
+/// Returns the plants of the design of a machine; `None` if there are none.
+fn plants_of(machine: &Project, asked: &DesignRequest) -> Option<BothPlants> {
+    let made = build_plant_model(machine).ok()?;
+    let as_designed = design_plant(asked, &made, &reduce_plant(machine, &made).ok()?).ok()?;
+    let with_angles = with_angles(machine, &made, &as_designed).ok()?;
     Some(BothPlants { as_designed, with_angles })
 }

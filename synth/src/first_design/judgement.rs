@@ -158,8 +158,8 @@ pub(super) struct Judge<'a> {
     others: Vec<HeldPlant>,
     within_tolerances: Vec<HeldPlant>,
     within_usual_ranges: Vec<UsualPlant>,
-    /// Those whose control is a usual delay later.
-    with_usual_delay: Vec<HeldPlant>,
+    /// Those with the lags that are usual.
+    with_usual_lags: Vec<HeldPlant>,
 }
 
 /// A plant at an end of what is usual.
@@ -195,9 +195,16 @@ impl<'a> Judge<'a> {
             others,
             within_tolerances: all(&circumstances.within_tolerances)?,
             within_usual_ranges: usual_plants(circumstances, &sampling)?,
-            with_usual_delay: all(&circumstances.usual.with_delay)?,
+            with_usual_lags: all(&circumstances.usual.with_lags)?,
             sampling,
         })
+    }
+
+    /// Returns the order of the largest plant under the hold.
+    pub fn largest_order(&self) -> usize {
+        let usual = self.within_usual_ranges.iter().map(|usual| &usual.plant);
+        let all = [&self.held].into_iter().chain(usual).chain(&self.with_usual_lags);
+        all.map(|plant| plant.system.order()).max().unwrap_or(0)
     }
 
     /// Puts the plants at the ends of what is usual into the order in which a loop uses up what is allowed with them, the hardest first: what is not borne
@@ -350,8 +357,8 @@ impl<'a> Judge<'a> {
         Ok(worst)
     }
 
-    /// The largest sensitivity over the plants at the ends of what is usual, over what is allowed with each, and what the margins with a usual delay
-    /// of the control need over what they have; above 1, that of the first plant that exceeds it.
+    /// The largest sensitivity over the plants at the ends of what is usual, over what is allowed with each, and what the margins with usual lags
+    /// need over what they have; above 1, that of the first plant that exceeds it.
     fn share_over_usual_ranges(&self, K: &HeldController, nominal: &LoopJudgement) -> Result<f64, Error> {
         if let Some(seen) = self.seen_above_usual_ranges(K, nominal) {
             return Ok(seen);
@@ -363,7 +370,7 @@ impl<'a> Judge<'a> {
             }
             worst = worst.max(sensitivity_of(held_loop(&plant.system, &K.system)?)? / max_sensitivity);
         }
-        for plant in &self.with_usual_delay {
+        for plant in &self.with_usual_lags {
             if worst > 1.0 {
                 break;
             }
@@ -375,10 +382,10 @@ impl<'a> Judge<'a> {
     /// The share of a plant at an end of what is usual that a few frequencies show to exceed what is allowed; `None` if they show none.
     fn seen_above_usual_ranges(&self, K: &HeldController, nominal: &LoopJudgement) -> Option<f64> {
         let required = self.circumstances.margins.max_sensitivity;
-        let with_delay = self.with_usual_delay.iter().map(|plant| (plant, required));
+        let with_lags = self.with_usual_lags.iter().map(|plant| (plant, required));
         let at_ends = self.within_usual_ranges.iter().map(|usual| (&usual.plant, usual.max_sensitivity));
         let mut shares = at_ends
-            .chain(with_delay)
+            .chain(with_lags)
             .map(|(plant, allowed)| largest_sensitivity(plant, K, rates_near_peaks(nominal)) / allowed);
         shares.find(|share| *share > 1.0 + SEEN_ABOVE)
     }
@@ -421,13 +428,13 @@ fn usual_plants(given: &Circumstances, sampling: &Sampling) -> Result<Vec<UsualP
             }
         }
     }
-    for plant in &given.usual.others_at_ends {
-        add(plant, NEIGHBOUR_MS)?;
-    }
-    for plant in &given.usual.with_delay {
+    for plant in &given.usual.with_lags {
         for shifted in shifted_modes(plant, &light_modes(plant)?)? {
             add(&shifted, NEIGHBOUR_MS)?;
         }
+    }
+    for plant in &given.usual.others_at_ends {
+        add(plant, NEIGHBOUR_MS)?;
     }
     Ok(usual)
 }

@@ -67,15 +67,15 @@ pub struct UsualPlants {
     /// The same with what the linear plant leaves out (gravity's gradient, a spring), which the loop must hold with the largest sensitivity of
     /// [`Circumstances::others`].
     pub others_at_ends: Vec<DesignPlant>,
-    /// With the largest usual delay of the control, if none is stated: the loop must keep its margins with it, be slow enough for its sample
-    /// rate, and bear shifted modes.
-    pub with_delay: Vec<DesignPlant>,
+    /// With the largest usual lags of reading, control and drive where none is stated, and the least damping: the loop must keep its margins with them, be slow
+    /// enough for its sample rate, and bear shifted modes.
+    pub with_lags: Vec<DesignPlant>,
 }
 
 impl UsualPlants {
     /// Returns whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.within_ranges.is_empty() && self.others_at_ends.is_empty() && self.with_delay.is_empty()
+        self.within_ranges.is_empty() && self.others_at_ends.is_empty() && self.with_lags.is_empty()
     }
 }
 

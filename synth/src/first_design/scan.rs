@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::OnceLock;
 
+use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 
 use super::candidate::{
@@ -15,7 +16,9 @@ use crate::bandwidth::{BandwidthLimit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
 use crate::modes::{light_modes, shifted_modes};
-use crate::tolerance::{CAUTION, CEILING, HIGHER_BANDWIDTH, LARGEST_EXCESS, MOST_DESIGNS};
+use crate::tolerance::{
+    CAUTION, CEILING, FEWEST_DESIGNS, HIGHER_BANDWIDTH, LARGEST_EXCESS, MOST_DESIGNS, WORK_OF_SEARCH,
+};
 use crate::{Error, FeedbackWeights, LightModes, Reference, design_feedback};
 use counterpoise_pool::Pool;
 
@@ -74,6 +77,8 @@ pub(super) fn step_of_aims() -> f64 {
 pub(super) const PER_DECADE: i32 = 10;
 /// Highest aim over the ceiling: a little beyond, so that limits above it are told too.
 const REACH: f64 = 3.0;
+/// States that error and control weight add to a design, about.
+const ORDER_OF_WEIGHTS: usize = 4;
 /// No loop with a delay reaches a bandwidth of this over the delay: it would cost 115 degrees.
 const DELAY_REACH: f64 = 2.0;
 
@@ -115,6 +120,8 @@ pub(super) struct Scan<'a> {
     pub circumstances: &'a Circumstances,
     pub judge: Judge<'a>,
     pub gain: PlantGain,
+    /// Whether the plant has lightly damped modes.
+    pub has_modes: bool,
     /// The shapes by number: those of every search, then those that a refinement tried.
     pub shapes: Vec<Shape>,
     pub unknown: Vec<Unknown>,
@@ -146,15 +153,19 @@ impl<'a> Scan<'a> {
     pub fn new(circumstances: &'a Circumstances, pool: &'a dyn Pool) -> Result<Self, Error> {
         let modes = light_modes(&circumstances.plant)?;
         let neighbours = shifted_modes(&circumstances.plant, &modes)?;
-        let gain = PlantGain::of(circumstances, modes.iter().map(|mode| mode.norm()).collect())?;
-        let unknown = list_unknowns(circumstances, &gain.modes);
+        let attenuated = if modes.is_empty() { softest_modes(circumstances)? } else { modes.clone() };
+        let gain = PlantGain::of(circumstances, attenuated.iter().map(|mode| mode.norm()).collect())?;
+        let unknown = list_unknowns(circumstances, &modes);
         let judge = Judge::new(circumstances, &neighbours)?;
         let attempts = BTreeMap::new();
+        let of_controller = circumstances.plant.weighted_plant().measured_plant()?.order() + ORDER_OF_WEIGHTS;
+        let order = of_controller + judge.largest_order();
         Ok(Self {
             designs: 0,
-            most_designs: MOST_DESIGNS,
+            most_designs: (WORK_OF_SEARCH / order.pow(3)).clamp(FEWEST_DESIGNS, MOST_DESIGNS),
             circumstances,
             judge,
+            has_modes: !modes.is_empty(),
             gain,
             shapes: SHAPES.to_vec(),
             unknown,
@@ -510,7 +521,20 @@ const KINDS: [LimitKind; 9] = [
     LimitKind::UsualRanges,
 ];
 
-fn list_unknowns(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
+/// Returns the lightly damped modes at the softest that is usual, if the plant has none: weights that attenuate modes attenuate those.
+fn softest_modes(given: &Circumstances) -> Result<Vec<C64>, Error> {
+    let mut softest: Vec<C64> = Vec::new();
+    for plant in &given.usual.within_ranges {
+        let modes = light_modes(plant)?;
+        let slowest = |modes: &[C64]| modes.first().map_or(f64::INFINITY, |mode| mode.norm());
+        if slowest(&modes) < slowest(&softest) {
+            softest = modes;
+        }
+    }
+    Ok(softest)
+}
+
+fn list_unknowns(given: &Circumstances, modes: &[C64]) -> Vec<Unknown> {
     let sensor_lags = given.plant.hub_sensor.as_ref().is_some_and(|sensor| sensor.order() > 0)
         || given.plant.late_reading.is_some();
     let all = [

@@ -50,8 +50,7 @@ impl Scan<'_> {
         if is_slow && self.gain.load.is_some() {
             self.damp_load(highest)?;
         }
-        let has_modes = !self.gain.modes.is_empty();
-        let may_stiffen = self.circumstances.may_stiffen_modes && has_modes && is_slow;
+        let may_stiffen = self.circumstances.may_stiffen_modes && self.has_modes && is_slow;
         if let Some(best) = self.best.clone() {
             let controller = self.controller(&best.weights, best.position_gain)?;
             self.judge.put_hardest_first(&controller, &best.judgement)?;
