@@ -14,10 +14,10 @@ pub(crate) const LATEST_USUAL_COUNT_S: f64 = 1e-4;
 pub(crate) const SLOWEST_USUAL_GYROSCOPE_RAD_S: f64 = 628.0;
 /// Lowest natural frequency that is usual for a tachometer, a resolver with its converter, or for a torque sensor, rad/s: 300 Hz.
 pub(crate) const SLOWEST_USUAL_READING_RAD_S: f64 = 1885.0;
-/// Lowest natural frequency that is usual for an encoder with its interpolation or filter, or for a current sensor, rad/s: 1 kHz.
-pub(crate) const SLOWEST_USUAL_COUNT_RAD_S: f64 = 6283.0;
-/// Lowest bandwidth of a drive's current loop that is usual, rad/s: 500 Hz.
-pub const SLOWEST_USUAL_DRIVE_RAD_S: f64 = 3142.0;
+/// Lowest natural frequency that is usual for an encoder with its interpolation or filter, or for a current sensor, rad/s: 3 kHz, beside their usual delay.
+pub(crate) const SLOWEST_USUAL_COUNT_RAD_S: f64 = 18850.0;
+/// Lowest bandwidth of a drive's current loop that is usual, rad/s: 1 kHz, beside its usual delay.
+pub const SLOWEST_USUAL_DRIVE_RAD_S: f64 = 6283.0;
 /// Latest action that is usual for a drive that controls its current, s: it samples its command with its own clock, and switches a period later.
 pub const LATEST_USUAL_DRIVE_S: f64 = 2e-4;
 

@@ -215,7 +215,7 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) -> DriveKeys {
             let bandwidth = Field::new("bandwidth", "of the current loop").unit("rad/s").limit(ABOVE_0);
             let bandwidth = bandwidth.or(f64::INFINITY).with_assumption(
                 "unlimited, as in an ideal drive",
-                "what is left out is ideal; current loops usually have 500 Hz or more",
+                "what is left out is ideal; current loops usually have 1 kHz or more",
                 UsualRange::Values(SLOWEST_USUAL_DRIVE_RAD_S, f64::INFINITY),
             );
             v.number(&bandwidth, &mut stated.bandwidth_rad_s);

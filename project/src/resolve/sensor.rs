@@ -94,7 +94,7 @@ pub(super) fn natural_frequency(kind: SensorKind) -> Field {
             SLOWEST_USUAL_GYROSCOPE_RAD_S,
         ),
         SensorKind::Counter => (
-            "what is left out is ideal; encoders and current sensors usually have 1 kHz or more",
+            "what is left out is ideal; encoders and current sensors usually have 3 kHz or more",
             SLOWEST_USUAL_COUNT_RAD_S,
         ),
         SensorKind::Other => (

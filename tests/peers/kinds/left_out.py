@@ -155,7 +155,7 @@ def files(program):
 # Lowest usual frequency of a load on its transmission, Hz.
 SOFT_HZ = {"belt": 5.0, "cable": 5.0, "gearbox": 10.0, "harmonic_drive": 10.0}
 # Latest usual reading, s, and lowest usual natural frequency, Hz, of a sensor.
-LAGS = {"hub_gyro": (2e-3, 100.0), "tachometer": (2e-3, 300.0), "resolver": (2e-3, 300.0), "encoder": (1e-4, 1000.0)}
+LAGS = {"hub_gyro": (2e-3, 100.0), "tachometer": (2e-3, 300.0), "resolver": (2e-3, 300.0), "encoder": (1e-4, 3000.0)}
 
 
 class Machine:
@@ -222,7 +222,7 @@ class Machine:
             motor["torque_constant"] = self.spread(0.02, 1.0)
             drive["limit"] = torque / motor["torque_constant"]
             if self.draw.random() < 0.7:
-                self.state(drive, "bandwidth", 2 * math.pi * self.spread(500.0, 5000.0), "drive")
+                self.state(drive, "bandwidth", 2 * math.pi * self.spread(1000.0, 10000.0), "drive")
             if self.draw.random() < 0.7:
                 self.state(drive, "delay", self.draw.uniform(0.0, 2e-4), "drive")
             return
