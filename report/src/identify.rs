@@ -235,7 +235,8 @@ fn curve_table(points: &[GainPoint]) -> ReportTable {
 mod tests {
     use super::*;
     use crate::html_page;
-    use counterpoise_diagnose::identification::{BalanceState, Lobes};
+    use crate::wording::identification::RegressionText;
+    use counterpoise_diagnose::identification::{BalanceState, Lobes, NormalEquations};
 
     fn example_text() -> IdentificationText {
         let estimate = |value| Estimate::new(value, 0.5, 150.0);
@@ -259,6 +260,7 @@ mod tests {
             noise_share: 1e-6,
             sliding_s: 6.0,
             sensors: None,
+            regression: RegressionText { unknowns: Vec::new(), equations: NormalEquations::default() },
             notes: vec!["a note".to_owned()],
         }
     }

@@ -27,9 +27,10 @@ mod problem;
 
 pub use improvement::apply_identified;
 pub use outcome::{
-    BalanceState, Estimate, FrictionPicture, GainCurveObstacle, GainPoint, Identification,
-    IdentifiedAmplifier, Lobes, Note, SensorErrors,
+    BalanceRegression, BalanceState, BalanceUnknown, Estimate, FrictionPicture, GainCurveObstacle, GainPoint,
+    Identification, IdentifiedAmplifier, Lobes, Note, SensorErrors,
 };
+pub use regression::NormalEquations;
 
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::Friction;
@@ -93,6 +94,7 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &PriorValues) -> Resul
         sliding_s,
         notes: notes(p, states, &found.amplifier, fit, layout).into_iter().chain(negative).collect(),
         sensors: alignment::sensor_errors(p, states, fit, layout),
+        regression: BalanceRegression { unknowns: problem.unknowns(), equations: fit.equations.clone() },
         amplifier: found.amplifier,
     })
 }

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::regression::NormalEquations;
+
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
@@ -77,6 +79,32 @@ pub enum GainCurveObstacle {
     ConfusedWithFriction,
     /// The curve and friction can be told apart, but not accurately enough.
     TooUncertain,
+}
+
+/// An unknown of the torque balance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BalanceUnknown {
+    /// The out-of-balance of a state of balance.
+    OutOfBalance(usize),
+    /// The inertia of a state of balance.
+    Inertia(usize),
+    /// The Coulomb friction.
+    Coulomb,
+    /// The viscous friction.
+    Viscous,
+    /// What the stalled current at an input of the amplifier, V, exceeds that of the project by, over the project's gain.
+    AmplifierCurve(f64),
+    /// What the lever arm of the platform's accelerometer exceeds that of the project by.
+    LeverArm,
+}
+
+/// The least squares that gave the identified values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BalanceRegression {
+    /// The unknowns, in the order of the equations.
+    pub unknowns: Vec<BalanceUnknown>,
+    /// The sums over all rows.
+    pub equations: NormalEquations,
 }
 
 /// Condition under which the identified values hold.
@@ -176,6 +204,8 @@ pub struct Identification {
     pub notes: Vec<Note>,
     /// Errors of the sensors.
     pub sensors: SensorErrors,
+    /// The least squares behind the values.
+    pub regression: BalanceRegression,
 }
 
 impl Estimate {

@@ -3,6 +3,7 @@
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 
+use super::outcome::BalanceUnknown;
 use super::regression::{Block, RegressionFit, fit_rows};
 use super::rows::{Maker, RowColumn, Rows};
 use crate::Error;
@@ -133,6 +134,17 @@ impl IdentificationProblem {
             part.rows.sliding.iter().filter(|s| **s).count() as f64 * part.rows.period_s
         };
         self.parts.iter().map(of).sum()
+    }
+
+    /// Returns the unknowns in their places.
+    pub fn unknowns(&self) -> Vec<BalanceUnknown> {
+        let Layout { states, knots, .. } = self.layout;
+        let moments = (0..states).map(BalanceUnknown::OutOfBalance);
+        let inertias = (0..states).map(BalanceUnknown::Inertia);
+        let friction = [BalanceUnknown::Coulomb, BalanceUnknown::Viscous];
+        let curve = self.knots_v.iter().skip(1).take(knots).map(|knot| BalanceUnknown::AmplifierCurve(*knot));
+        let lever_arm = self.layout.lever_arm().map(|_| BalanceUnknown::LeverArm);
+        moments.chain(inertias).chain(friction).chain(curve).chain(lever_arm).collect()
     }
 
     /// Solves the least squares; returns `None` if the unknowns cannot be told apart.

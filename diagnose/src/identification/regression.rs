@@ -1,6 +1,7 @@
 //! Least squares with noisy regressors and correlated residuals.
 
 use counterpoise_linalg::{Mat, inverse, sym_eigenvalues};
+use serde::Serialize;
 
 use crate::tolerance::identification::{NORMAL_95, WORST_CONDITION};
 
@@ -20,6 +21,27 @@ pub struct Block<'a> {
     pub memory: usize,
 }
 
+/// The sums over the rows from which values, intervals and residual of a regression follow ([`fit_rows`]). Unknowns stand in the order of the columns.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct NormalEquations {
+    /// X'X, row by row.
+    pub regressors: Vec<Vec<f64>>,
+    /// Diagonal of sum D: the power of the noise in each column, which is taken off.
+    pub noise: Vec<f64>,
+    /// X'y.
+    pub with_target: Vec<f64>,
+    /// sum c: the noise that each column shares with the target, which is taken off.
+    pub shared_noise: Vec<f64>,
+    /// y'y.
+    pub target: f64,
+    /// S, row by row.
+    pub spread: Vec<Vec<f64>>,
+    /// Student's quantile, half the width of a 95 % interval over the standard deviation.
+    pub quantile: f64,
+    /// Rows that count.
+    pub rows: f64,
+}
+
 /// Result of a regression.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegressionFit {
@@ -31,6 +53,17 @@ pub struct RegressionFit {
     pub residual_rms: f64,
     /// Largest share of a regressor's power that is noise.
     pub noise_share: f64,
+    /// The sums from which all of it follows.
+    pub equations: NormalEquations,
+}
+
+/// Sums over the rows of all recordings.
+struct Sums {
+    regressors: Mat,
+    noise: Vec<f64>,
+    with_target: Vec<f64>,
+    shared_noise: Vec<f64>,
+    target: f64,
 }
 
 /// Solves min |y - X b|^2 over the rows that count, the noise of the regressors taken off:
@@ -46,14 +79,14 @@ pub struct RegressionFit {
 /// cannot be told apart.
 pub fn fit_rows(blocks: &[Block]) -> Option<RegressionFit> {
     let n = blocks.first()?.columns.len();
-    let mut normal = Mat::zeros(n, n);
-    let mut right = Mat::zeros(n, 1);
-    let mut noise = vec![0.0; n];
-    blocks.iter().for_each(|block| accumulate(block, &mut normal, &mut right, &mut noise));
-    let noise_share = (0..n).map(|i| noise[i] / normal[(i, i)].max(f64::MIN_POSITIVE)).fold(0.0, f64::max);
-    let seen: Vec<usize> = (0..n).filter(|i| normal[(*i, *i)] > 0.0).collect();
+    let Sums { regressors, noise, with_target, shared_noise, target } = sums_of(blocks, n);
+    let noise_share =
+        (0..n).map(|i| noise[i] / regressors[(i, i)].max(f64::MIN_POSITIVE)).fold(0.0, f64::max);
+    let seen: Vec<usize> = (0..n).filter(|i| regressors[(*i, *i)] > 0.0).collect();
+    let mut normal = regressors.clone();
     (0..n).for_each(|i| normal[(i, i)] -= noise[i]);
     let inverted = inverse_of_seen(&normal, &seen)?;
+    let right = Mat::from_fn(n, 1, |i, _| with_target[i] - shared_noise[i]);
     let value = (&inverted * &right).as_slice().to_vec();
     let residuals: Vec<Vec<f64>> = blocks.iter().map(|block| residual(block, &value)).collect();
     let mut spread = Mat::zeros(n, n);
@@ -73,7 +106,21 @@ pub fn fit_rows(blocks: &[Block]) -> Option<RegressionFit> {
         value,
         residual_rms: (power / rows.max(1.0)).sqrt(),
         noise_share,
+        equations: NormalEquations {
+            regressors: rows_of(&regressors),
+            noise,
+            with_target,
+            shared_noise,
+            target,
+            spread: rows_of(&spread),
+            quantile,
+            rows,
+        },
     })
+}
+
+fn rows_of(matrix: &Mat) -> Vec<Vec<f64>> {
+    (0..matrix.nrows()).map(|i| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect()).collect()
 }
 
 /// Returns the residual at every row; 0 at rows that do not count.
@@ -93,17 +140,31 @@ fn row(block: &Block, k: usize) -> Vec<f64> {
     block.columns.iter().map(|c| c.map_or(0.0, |c| c[k])).collect()
 }
 
-fn accumulate(block: &Block, normal: &mut Mat, right: &mut Mat, noise: &mut [f64]) {
+fn sums_of(blocks: &[Block], n: usize) -> Sums {
+    let none = || vec![0.0; n];
+    let mut sums = Sums {
+        regressors: Mat::zeros(n, n),
+        noise: none(),
+        with_target: none(),
+        shared_noise: none(),
+        target: 0.0,
+    };
+    blocks.iter().for_each(|block| accumulate(block, &mut sums));
+    sums
+}
+
+fn accumulate(block: &Block, sums: &mut Sums) {
     for k in (0..block.target.len()).filter(|k| block.counts[*k]) {
         let x = row(block, k);
+        sums.target += block.target[k] * block.target[k];
         for i in (0..x.len()).filter(|i| x[*i] != 0.0) {
-            right[(i, 0)] += x[i] * block.target[k];
-            (0..x.len()).for_each(|j| normal[(i, j)] += x[i] * x[j]);
+            sums.with_target[i] += x[i] * block.target[k];
+            (0..x.len()).for_each(|j| sums.regressors[(i, j)] += x[i] * x[j]);
         }
     }
     let rows = count_samples(block);
-    noise.iter_mut().zip(&block.noise).for_each(|(sum, variance)| *sum += rows * variance);
-    block.shared.iter().enumerate().for_each(|(i, covariance)| right[(i, 0)] -= rows * covariance);
+    sums.noise.iter_mut().zip(&block.noise).for_each(|(sum, variance)| *sum += rows * variance);
+    sums.shared_noise.iter_mut().zip(&block.shared).for_each(|(sum, covariance)| *sum += rows * covariance);
 }
 
 fn add_spread(block: &Block, residual: &[f64], spread: &mut Mat) {

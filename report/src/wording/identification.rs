@@ -1,8 +1,8 @@
 //! The identified values, with their notes in sentences.
 
 use counterpoise_diagnose::identification::{
-    BalanceState, Estimate, FrictionPicture, GainCurveObstacle, GainPoint, Identification,
-    IdentifiedAmplifier, Lobes, Note, SensorErrors,
+    BalanceState, BalanceUnknown, Estimate, FrictionPicture, GainCurveObstacle, GainPoint, Identification,
+    IdentifiedAmplifier, Lobes, NormalEquations, Note, SensorErrors,
 };
 use counterpoise_pipeline::recordings::identify::IdentifiedRecordings;
 use serde::Serialize;
@@ -37,6 +37,18 @@ pub struct IdentificationText {
     /// Errors of the sensors; absent if the recordings show none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensors: Option<SensorErrors>,
+    /// The least squares from which the values and their intervals follow.
+    pub regression: RegressionText,
+}
+
+/// A least squares, its unknowns named by the places of their values in the result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RegressionText {
+    /// The unknowns, in the order of the equations.
+    pub unknowns: Vec<String>,
+    /// The sums over all rows.
+    #[serde(flatten)]
+    pub equations: NormalEquations,
 }
 
 impl IdentificationText {
@@ -110,6 +122,24 @@ pub fn describe_identification(found: &Identification) -> IdentificationText {
         sliding_s: found.sliding_s,
         notes: found.notes.iter().map(|note| describe_note(*note)).collect(),
         sensors: Some(found.sensors).filter(|errors| !errors.is_empty()),
+        regression: RegressionText {
+            unknowns: found.regression.unknowns.iter().map(|unknown| place_of_unknown(*unknown)).collect(),
+            equations: found.regression.equations.clone(),
+        },
+    }
+}
+
+/// Returns the place in the result of the value of an unknown; of a change, in words.
+fn place_of_unknown(unknown: BalanceUnknown) -> String {
+    match unknown {
+        BalanceUnknown::OutOfBalance(state) => format!("balances[{state}].out_of_balance_kg_m"),
+        BalanceUnknown::Inertia(state) => format!("balances[{state}].inertia_kg_m2"),
+        BalanceUnknown::Coulomb => "coulomb_nm".to_owned(),
+        BalanceUnknown::Viscous => "viscous_nm_s_rad".to_owned(),
+        BalanceUnknown::AmplifierCurve(input_v) => {
+            format!("change of the current over the project's gain, V, at an input of {input_v} V")
+        }
+        BalanceUnknown::LeverArm => "change of sensors.lever_arm_m".to_owned(),
     }
 }
 

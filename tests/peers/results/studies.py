@@ -122,25 +122,81 @@ def diagnose(result, files):
                 yield from middle(parameter, f"{parameter['name']} of {finding['effect']}")
 
 
+def normal_equations(regression):
+    """Returns values, half widths, RMS residual and largest share of noise of the regression's unknowns; a column of zeros has no value."""
+    gram, noise = np.array(regression["regressors"]), np.array(regression["noise"])
+    moments = np.array(regression["with_target"])
+    seen = np.diag(gram) > 0.0
+    inverse = np.zeros_like(gram)
+    inverse[np.ix_(seen, seen)] = np.linalg.inv((gram - np.diag(noise))[np.ix_(seen, seen)])
+    values = inverse @ (moments - np.array(regression["shared_noise"]))
+    power = regression["target"] - 2.0 * values @ moments + values @ gram @ values
+    covariance = inverse @ np.array(regression["spread"]) @ inverse
+    half_widths = regression["quantile"] * np.sqrt(np.diag(covariance))
+    shares = noise / np.maximum(np.diag(gram), np.finfo(float).tiny)
+    values[~seen] = np.nan
+    return values, half_widths, math.sqrt(power / regression["rows"]), shares.max()
+
+
+def at_place(result, place):
+    """Returns what stands at a place such as `balances[0].inertia_kg_m2`; None for a change in words."""
+    at = result
+    for part in place.replace("[", ".").replace("]", "").split("."):
+        if isinstance(at, list):
+            at = at[int(part)]
+        elif isinstance(at, dict) and part in at:
+            at = at[part]
+        else:
+            return None
+    return at
+
+
+# Values of normal equations whose unknowns are told apart to a few parts in 1e7 of their digits.
+REGRESSION = 1e-6
+# RMS of a residual that is the difference of sums a million times as large.
+REMAINDER = 1e-3
+
+
+def estimate(stated, value, half_width, name):
+    if stated["value"] is not None:
+        yield f"value, {name}", stated["value"], value, REGRESSION
+    for end, sign in zip(stated["ci95"], (-1.0, 1.0)):
+        if end is not None:
+            yield f"end of the interval, {name}", end, value + sign * half_width, REGRESSION
+
+
 def identify(result, _):
-    for key, value in result.items():
-        if isinstance(value, dict) and "ci95" in value:
-            yield from middle(value, key)
-    for k, balance in enumerate(result["balances"]):
-        for key, value in balance.items():
-            if isinstance(value, dict):
-                yield from middle(value, f"{key} of state {k + 1}")
+    regression = result["regression"]
+    values, half_widths, residual, share = normal_equations(regression)
+    told = {name: (value, half) for name, value, half in zip(regression["unknowns"], values, half_widths)}
+    for name, (value, half) in told.items():
+        stated = at_place(result, name)
+        if stated is not None:
+            yield from estimate(stated, value, half, name)
+    arm = told.get("change of sensors.lever_arm_m")
+    sensors = result.get("sensors") or {}
+    if arm and sensors.get("lever_arm_m"):
+        stated = sensors["lever_arm_m"]
+        yield from estimate(stated, stated["before"] + arm[0], arm[1], "sensors.lever_arm_m")
+    curve = {float(name.rsplit(" ", 2)[-2]): found for name, found in told.items() if name.startswith("change of the current")}
     points = (result.get("amplifier") or {}).get("points") or []
     for point in points:
         name = f"amplifier at {point['input_v']:.3g} V"
-        yield from middle({"value": point["current_a"], "ci95": point["ci95_a"]}, name)
+        gain = points[0]["linear_a"] / points[0]["input_v"]
+        change, half = curve[point["input_v"]]
+        stated = {"value": point["current_a"], "ci95": point["ci95_a"]}
+        yield from estimate(stated, point["linear_a"] + gain * change, gain * half, name)
         yield f"scatter, {name}", point["scatter_a"], "the recordings are not part of the result"
         # the project's amplifier is a gain
-        yield f"project, {name}", point["linear_a"] / point["input_v"], points[0]["linear_a"] / points[0]["input_v"], 1e-2
+        yield f"project, {name}", point["linear_a"] / point["input_v"], gain, 1e-2
+    if result.get("breakaway_nm"):
+        yield from middle(result["breakaway_nm"], "breakaway_nm")
     if result.get("lobes"):
         for key, value in result["lobes"].items():
             yield key, value, "a fit to rate and acceleration; the loops in the result hold rate and control"
-    yield "residual", result["residual_nm"], "the recordings are not part of the result"
+    yield "residual", result["residual_nm"], residual, REMAINDER
+    if share:
+        yield "share of noise", result["noise_share"], share, REGRESSION
 
 
 def adapt(result, _):
