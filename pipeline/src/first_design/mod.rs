@@ -237,9 +237,11 @@ fn circumstances(
     let motions = project.verify.as_ref().map(|asked| &asked.procedure);
     // A feedforward acts on the load's rate, which a loop of torque or current does not hold.
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
+    let mut others = plants_beside(modelled, &plant, nominal)?;
+    others.extend(usual_ranges::plants_at_small_motions(project, asked).map(|plants| plants.with_angles));
     Ok(Circumstances {
         usual,
-        others: plants_beside(modelled, &plant, nominal)?,
+        others,
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
         usual_reading: open.usual_reading(p),
         known_absent: open.known_absent(),

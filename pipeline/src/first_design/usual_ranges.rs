@@ -277,6 +277,19 @@ fn stiffer_values(softest: f64, plants: &BothPlants, machine: &Project) -> Vec<f
     (1..=steps).map(|k| softest * factor.powi(k as i32)).collect()
 }
 
+/// Returns the plants of a machine whose hystereses have not yielded: small motions bend their stiffness beside that of the compliance. `None` if the machine has no
+/// hysteresis.
+pub(super) fn plants_at_small_motions(machine: &Project, asked: &DesignRequest) -> Option<BothPlants> {
+    let mut small = machine.clone();
+    if small.plant.gearbox.hysteresis_nm > 0.0 {
+        small.plant.gearbox.stiffness_nm_rad += small.plant.gearbox.hysteresis_stiffness_nm_rad;
+    }
+    if let Some(lumped) = small.plant.lumped.as_mut().filter(|lumped| lumped.hysteresis_nm > 0.0) {
+        lumped.position_stiffness_nm_rad += lumped.hysteresis_stiffness_nm_rad;
+    }
+    if small == *machine { None } else { plants_of(&small, asked) }
+}
+
 /// Returns the plants of the design of a machine; `None` if there are none.
 fn plants_of(machine: &Project, asked: &DesignRequest) -> Option<BothPlants> {
     let made = build_plant_model(machine).ok()?;
