@@ -300,7 +300,10 @@ STUDIES = [("maps", fra), ("recordings", replay), ("verdict", diagnose), ("balan
 
 
 def rows_of(result, files):
-    return next(rows for key, rows in STUDIES if key in result)(result, files)
+    found = [rows for key, rows in STUDIES if key in result]
+    if not found:
+        sys.exit("this script recomputes no figure of such a result: it knows sweep, compare, adapt, claims, fra, replay, diagnose and identify")
+    return found[0](result, files)
 
 
 def files_of(options):
