@@ -26,8 +26,8 @@ use crate::exchange::error_budget::{ErrorBudgetResult, SightProcedureResult};
 use crate::exchange::systems::{StoredController, controllers_of_design, stored_frequencies_hz};
 use crate::exchange::verification_data::{history_results, response_results};
 use crate::exchange::{
-    BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult, TargetsResult,
-    TransferFunctionResult, VerifiedLoop,
+    BalanceResult, DesignSignals, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult,
+    TargetsResult, TransferFunctionResult, VerifiedLoop,
 };
 use crate::recordings::{ReplayedRecording, channel_label};
 use crate::studies::assumptions::AssumptionEffect;
@@ -454,13 +454,9 @@ impl From<&SynthesisedDesign> for SynthResult {
         let paths = &made.sampled.controller.parts().paths;
         let controlled = made.controlled;
         let controllers = controllers_of_design(&made.design, controlled);
-        let design_plant = made.design.plant.measured_plant().ok().map(|system| {
-            let measured = controlled.named_signal("measured_rate_rad_s");
-            let outputs: Vec<&str> = std::iter::once(measured.as_str())
-                .chain(made.output_names.iter().map(String::as_str))
-                .collect();
-            SystemResult::new("design plant", &system, &LinearPlant::INPUTS, &outputs)
-        });
+        let signals = DesignSignals { controlled, outputs: &made.output_names };
+        let design_plant = made.design.plant.measured_plant().ok();
+        let design_plant = design_plant.map(|system| SystemResult::of_design_plant(&system, signals));
         let broken = &made.sampled.loop_gain;
         let systems = SynthSystems {
             design_plant,

@@ -1,17 +1,19 @@
 //! Studies of a project: robustness, frequency response maps, adaptation, identification.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
 use counterpoise_host::projects;
 use counterpoise_pipeline::recordings::identify;
+use counterpoise_pipeline::results::RobustnessResult;
 use counterpoise_pipeline::studies::adaptation::study_adaptation;
 use counterpoise_pipeline::studies::certificate::other_robust_regimes;
 use counterpoise_pipeline::studies::fra::{
     Analyser, LoopController, LoopUnderTest, MeasurementPlan, ResponseMap, map_recordings,
 };
-use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
+use counterpoise_pipeline::studies::sweep::{
+    BesideSamples, CampaignResult, MechanismColumns, campaign_is_stated, worst_cases,
+};
 use counterpoise_pipeline::{
     self as pipeline, prepare_campaign, robust_stability, run_stages, vary_families,
 };
@@ -37,25 +39,8 @@ use crate::project::NativeProject;
 struct CampaignColumns {
     passing: usize,
     figures: Vec<SweepFigure>,
-    samples: Columns,
-}
-
-/// The samples of a campaign as columns: factors of what varies, and figures.
-#[derive(Serialize)]
-struct Columns {
-    sample: Vec<usize>,
-    #[serde(flatten)]
-    values: BTreeMap<String, Vec<f64>>,
-}
-
-impl Columns {
-    fn of(found: &CampaignResult) -> Self {
-        let factors = found.variations.iter().zip(found.factors.columns());
-        let factors = factors.map(|(v, column)| (format!("factor.{}", v.parameter.key()), column.to_vec()));
-        let figures = found.requirements.iter().zip(found.values.columns());
-        let figures = figures.map(|(r, column)| (r.figure.key_in(found.controlled), column.to_vec()));
-        Self { sample: (0..found.samples()).collect(), values: factors.chain(figures).collect() }
-    }
+    robustness: Vec<RobustnessResult>,
+    samples: MechanismColumns,
 }
 
 /// A list of maps under a key, as the command line writes it.
@@ -94,7 +79,8 @@ fn run_sweep(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result
     Ok(CampaignColumns {
         passing: found.passing,
         figures: sweep_figures(&found),
-        samples: Columns::of(&found),
+        robustness: RobustnessResult::list(found.stability.as_ref(), found.own_joints(), &found.regimes),
+        samples: (&found).into(),
     })
 }
 

@@ -145,24 +145,6 @@ pub struct WorstCase {
     pub converged: bool,
 }
 
-/// How far the ranges of a campaign may be widened together in one case and one regime of friction, for another program.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SweepRobustness {
-    /// The case and the regime, in words.
-    pub case: String,
-    /// The loop is stable for every mechanism in the ranges widened by less than this; 0 if it is unstable without any deviation.
-    pub times_the_ranges: f64,
-}
-
-/// Returns how far the ranges may be widened in each case and regime, the design's own case with sliding friction first.
-pub fn sweep_robustness(found: &CampaignResult) -> Vec<SweepRobustness> {
-    let one = |limit: RobustnessLimit<'_>| SweepRobustness {
-        case: name_limit(limit),
-        times_the_ranges: limit.factor,
-    };
-    found.robustness_limits().map(one).collect()
-}
-
 fn name_limit(limit: RobustnessLimit<'_>) -> String {
     limit.at.map_or("design".to_owned(), certificate::name_robust_regime)
 }

@@ -101,9 +101,18 @@ pub const GAP_SWINGS: usize = 16;
 /// With an unstable regime or a predicted limit cycle near which a motion stays, a run that moves more than this many noise floors is not called stable: a run
 /// with other noise can move twice as much.
 pub const MOVES_UNSTABLE_FLOORS: f64 = 1.0;
-/// A run at rest between the two limits above is repeated so often with other noise; the spread of four runs is nearly the range in which
-/// a fifth one falls.
-pub const REPEATED_RUNS: u64 = 3;
+/// The same for a gear with backlash whose stability is not proved: with one noise its teeth stay in the gap at 0.7 noise floors, with another they
+/// rattle at 2.5.
+pub const RATTLES_FLOORS: f64 = 0.5;
+/// A run at rest between these limits and [`MOVES_FLOORS`] is repeated so often with other noise: of eight runs that rattle with a chance of one half each,
+/// all are quiet once in 256.
+pub const REPEATED_RUNS: u64 = 7;
+/// A motion is a limit cycle only if so many runs with other noise have it too ...
+pub const CYCLE_RUNS: u64 = 2;
+/// ... with the same amplitude and frequency to this: half of what is promised of a limit cycle, 20 % and 5 %.
+pub const RECURRING_AMPLITUDE: f64 = 0.1;
+/// See [`RECURRING_AMPLITUDE`].
+pub const RECURRING_FREQUENCY: f64 = 0.025;
 /// The halves of a run of a limit cycle have the same motion to this: its amplitude is constant, and noise changes it by a few percent. Motion that noise
 /// starts anew again and again differs by more.
 pub const ALIKE_HALVES: f64 = 0.2;

@@ -4,13 +4,15 @@ use crate::output::say;
 use anyhow::{Context, Error, Result, anyhow, bail};
 use clap::Args;
 use counterpoise_host::terminal::print_message;
+use counterpoise_pipeline::results::RobustnessResult;
 use counterpoise_pipeline::studies::certificate::{RegimeRobustness, other_robust_regimes};
+use counterpoise_pipeline::studies::sweep::MechanismColumns;
 use counterpoise_pipeline::studies::sweep::{
     BesideSamples, CampaignResult, ShardsProblem, campaign_is_stated, merge_shards, worst_cases,
 };
 use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
-use counterpoise_report::sweep::{SweepFigure, SweepRobustness};
+use counterpoise_report::sweep::SweepFigure;
 use counterpoise_report::terminal::sweep::sweep_lines;
 use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::{ProvenanceEntry, VerificationContext, sweep};
@@ -19,7 +21,7 @@ use counterpoise_verify::structured::RobustStability;
 use std::path::Path;
 
 use crate::exit::{CommandResult, ExitStatus, verdict_code};
-use crate::options::ResultOutput;
+use crate::options::{ResultOutput, WRITTEN};
 use crate::output;
 use counterpoise_host::campaign_progress::CampaignPace;
 use counterpoise_host::interrupt::Interruption;
@@ -48,6 +50,9 @@ pub struct SweepOptions {
     /// Other factors for that sample, for example friction=2,backlash=0 (the report prints those of a worst case)
     #[arg(long, value_name = "KEY=FACTOR,...", requires = "sample", value_delimiter = ',')]
     pub factors: Vec<String>,
+    /// With --json or --data: also the factors and figures of every mechanism, from which shares and quantiles can be recomputed
+    #[arg(long, requires = WRITTEN)]
+    pub histories: bool,
     /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
@@ -220,7 +225,8 @@ fn finish(named: &NamedCampaign, options: &SweepOptions) -> CommandResult {
     let result = SweepOutput {
         samples: found.samples(),
         figures: sweep::sweep_figures(&found),
-        robustness: sweep::sweep_robustness(&found),
+        robustness: RobustnessResult::list(found.stability.as_ref(), found.own_joints(), &found.regimes),
+        mechanisms: options.histories.then(|| (&found).into()),
     };
     if !output::write_result(&options.results, &result)? {
         output::print_lines(&sweep_lines(&found, &result.figures));
@@ -237,7 +243,10 @@ struct SweepOutput {
     /// The requirements over all mechanisms.
     figures: Vec<SweepFigure>,
     /// How far the ranges may be widened in each case and regime; empty if nothing that enters the linear loop varies.
-    robustness: Vec<SweepRobustness>,
+    robustness: Vec<RobustnessResult>,
+    /// The mechanisms; absent unless they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mechanisms: Option<MechanismColumns>,
 }
 
 fn refuse_shards(problem: ShardsProblem) -> Error {

@@ -126,8 +126,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let robust_to_times_the_ranges = stability.map(|found| found.guaranteed);
     let design = study.certificate.as_ref().and_then(|found| found.cases.first());
     let joints = design.map_or(Joints::Sliding, CaseCertificate::first_joints);
-    let own = stability.map(|found| RobustnessResult::new("design", joints, Some(found)));
-    let robustness = own.into_iter().chain(study.regimes.iter().map(Into::into)).collect();
+    let robustness = RobustnessResult::list(stability, joints, &study.regimes);
     let advised = study.advice.iter().map(Into::into).collect();
     let shown = VerifyOutput { result, robust_to_times_the_ranges, robustness, advice: advised };
     if !output::write_result(&options.results, &shown)? {

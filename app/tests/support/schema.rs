@@ -9,7 +9,7 @@ pub const SCHEMA: &str = "counterpoise.results/2";
 
 /// Keys of results that not every project has; every other key at the top of an example is always there.
 const OPTIONAL: &[(&str, &[&str])] =
-    &[("model", &["structure"]), ("verify", &["robust_to_times_the_ranges"])];
+    &[("model", &["frictions", "structure"]), ("verify", &["robust_to_times_the_ranges"])];
 
 /// Returns the published schema: the definitions of all results, made of one example each. `is_name` tells keys that are names.
 pub fn published_schema(examples: &[(&str, Value)], is_name: &dyn Fn(&str) -> bool) -> Value {

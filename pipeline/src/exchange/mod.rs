@@ -21,7 +21,7 @@ pub use controller_file::ControllerResult;
 pub use error_budget::{ErrorBudgetResult, SightValues, error_budget_result};
 pub use pulled_loop::PulledLoopResult;
 pub use structure::StructureResult;
-pub use systems::{ResponseResult, SignalResult, SystemResult, TransferFunctionResult};
+pub use systems::{DesignSignals, ResponseResult, SignalResult, SystemResult, TransferFunctionResult};
 pub use targets::TargetsResult;
 pub use unit_value::UnitValue;
 pub use verification_data::{HistoryResult, VerifiedLoop, controllers_of, plants_of, verified_loop};

@@ -2,7 +2,7 @@
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Response, StateSpace, Timebase};
-use counterpoise_models::ControlledQuantity;
+use counterpoise_models::{ControlledQuantity, LinearPlant};
 use counterpoise_synth::{Design, DisturbanceChannel, Weight};
 use serde::Serialize;
 
@@ -99,11 +99,34 @@ impl SignalResult {
 
     /// Returns the states x1, x2, ... of a system whose states have no meaning of their own.
     pub fn numbered_states(count: usize) -> Vec<Self> {
-        (1..=count).map(|k| Self { name: format!("x{k}"), unit: "" }).collect()
+        Self::numbered_beyond(&[], "x", count)
+    }
+
+    /// Returns as many signals as a system has: those with a name, then numbered ones.
+    fn numbered_beyond(names: &[&str], letter: &str, count: usize) -> Vec<Self> {
+        let numbered = |k| Self { name: format!("{letter}{k}"), unit: "" };
+        let named = names.iter().take(count).map(|name| Self::of(name));
+        named.chain((names.len() + 1..=count).map(numbered)).collect()
     }
 }
 
+/// The signals of a design plant by name.
+#[derive(Debug, Clone, Copy)]
+pub struct DesignSignals<'a> {
+    /// The quantity that the loop controls.
+    pub controlled: ControlledQuantity,
+    /// The plant's outputs.
+    pub outputs: &'a [String],
+}
+
 impl SystemResult {
+    /// Returns a design plant behind its sensor: the measured quantity, then every output.
+    pub fn of_design_plant(system: &StateSpace, signals: DesignSignals) -> Self {
+        let measured = signals.controlled.named_signal("measured_rate_rad_s");
+        let outputs = std::iter::once(measured.as_str()).chain(signals.outputs.iter().map(String::as_str));
+        Self::new("design plant", system, &LinearPlant::INPUTS, &outputs.collect::<Vec<_>>())
+    }
+
     /// Returns the sampled plant of a feedback loop, from the control to the reading.
     pub fn of_plant(plant: &StateSpace, controlled: ControlledQuantity) -> Self {
         Self::new("plant", plant, &["control_v"], &["reading_of_hub_rate_rad_s"]).of_loop(controlled)
@@ -114,8 +137,8 @@ impl SystemResult {
         Self::new(name, feedback, &["rate_error_rad_s"], &["control_v"]).of_loop(controlled)
     }
 
-    /// Returns a system with numbered states; `inputs` and `outputs` are names that end in their units. Outputs beyond those that have a name
-    /// are numbered, unless none has one.
+    /// Returns a system with numbered states; `inputs` and `outputs` are names that end in their units. Signals beyond those that have a name
+    /// are numbered: u1, u2, ... and y1, y2, ...
     pub fn new(name: &str, system: &StateSpace, inputs: &[&str], outputs: &[&str]) -> Self {
         Self {
             name: name.to_owned(),
@@ -128,20 +151,9 @@ impl SystemResult {
             C: rows(&system.C),
             D: rows(&system.D),
             states: SignalResult::numbered_states(system.order()),
-            inputs: SignalResult::all(inputs.iter().copied()),
-            outputs: SignalResult::all(outputs.iter().copied())
-                .into_iter()
-                .chain(
-                    (outputs.len()..system.outputs())
-                        .filter(|_| !outputs.is_empty())
-                        .map(|k| Self::unnamed_signal(k + 1)),
-                )
-                .collect(),
+            inputs: SignalResult::numbered_beyond(inputs, "u", system.inputs()),
+            outputs: SignalResult::numbered_beyond(outputs, "y", system.outputs()),
         }
-    }
-
-    fn unnamed_signal(number: usize) -> SignalResult {
-        SignalResult { name: format!("y{number}"), unit: "" }
     }
 
     /// Returns the same system with the signals of a loop of rate under their names in the loop of another quantity.
@@ -153,6 +165,12 @@ impl SystemResult {
             };
             *signal = SignalResult::of(&format!("{reading}{}", controlled.named_signal(name)));
         }
+        self
+    }
+
+    /// Returns the same system with signals that are pure numbers.
+    pub fn without_units(mut self) -> Self {
+        self.inputs.iter_mut().chain(&mut self.outputs).for_each(|signal| signal.unit = "");
         self
     }
 

@@ -212,14 +212,15 @@ impl NumbersResult {
 }
 
 fn path_forms(each: &PathForms) -> impl Iterator<Item = PathFormResult> {
-    each.candidates.iter().map(|candidate| PathFormResult {
+    let inputs: Vec<&str> = each.inputs.iter().map(|signal| signal.name()).collect();
+    each.candidates.iter().map(move |candidate| PathFormResult {
         path: each.path.clone(),
         form: if candidate.form == RealisationForm::Balanced { "balanced" } else { "modal" },
         is_in_use: candidate.form == each.chosen,
         coefficients: candidate.coefficients,
         predicted: candidate.predicted,
         measured: candidate.measured,
-        system: SystemResult::new(&each.path, &candidate.system, &[], &[]),
+        system: SystemResult::new(&each.path, &candidate.system, &inputs, &["control_v"]),
     })
 }
 

@@ -4,6 +4,7 @@ mod feedback_alone;
 pub mod header_words;
 pub mod target_proofs;
 
+use counterpoise_controller::PathSignal;
 use counterpoise_controller::realisation::count_coefficients;
 use counterpoise_controller::sensitivity::{RealisationCandidate, RealisationForm, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
@@ -195,6 +196,8 @@ pub fn every_target(
 pub struct PathForms {
     /// Name of the path.
     pub path: String,
+    /// Signals that it reads.
+    pub inputs: Vec<PathSignal>,
     /// Modal and balanced.
     pub candidates: Vec<RealisationCandidate>,
     /// The form of the verified controller.
@@ -213,7 +216,7 @@ pub fn path_forms(verified: &VerifiedController) -> Result<Vec<PathForms>, Pipel
         // A form is known by its number of coefficients: few in blocks, all of them in a full matrix.
         let nearest = candidates.iter().min_by_key(|candidate| candidate.coefficients.abs_diff(count));
         let chosen = nearest.map_or(RealisationForm::Modal, |candidate| candidate.form);
-        Ok(PathForms { path: path.name.clone(), candidates, chosen })
+        Ok(PathForms { path: path.name.clone(), inputs: path.inputs.clone(), candidates, chosen })
     };
     paths.map(of).collect()
 }

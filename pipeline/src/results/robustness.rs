@@ -164,6 +164,12 @@ pub struct ChangeResult {
 }
 
 impl RobustnessResult {
+    /// Returns the bounds of the design's own case, unless nothing varies in it, then those of the other cases and regimes of friction.
+    pub fn list(own: Option<&RobustStability>, joints: Joints, regimes: &[RegimeRobustness]) -> Vec<Self> {
+        let own = own.map(|found| Self::new("design", joints, Some(found)));
+        own.into_iter().chain(regimes.iter().map(Into::into)).collect()
+    }
+
     /// Returns the bounds of a case in a regime of friction.
     pub fn new(case: &str, joints: Joints, found: Option<&RobustStability>) -> Self {
         Self {

@@ -3,7 +3,6 @@
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, feedback, poles, series};
-use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
@@ -17,7 +16,7 @@ use serde::Serialize;
 use super::cost_basis::{CostBasis, cost_basis, feedback_basis};
 use super::tuned_pi::TunedPiRow;
 use crate::exchange::systems::controllers_of_design;
-use crate::exchange::{SystemResult, TransferFunctionResult};
+use crate::exchange::{DesignSignals, SystemResult, TransferFunctionResult};
 use crate::synth::design_plant;
 use crate::synth::schedule::{BalanceRow, balance_rows};
 use crate::tolerance::DRIFTING_POLE;
@@ -259,27 +258,31 @@ pub fn compare_designs(
         lowered: lowered_row(made)?,
         motions: motions(&made.design)?,
         balance: balance_rows(&made.balance),
-        balance_basis: balance_basis(&made.balance, made.controlled)?,
+        balance_basis: balance_basis(&made.balance, signals_of(made))?,
         spillover: spillover(project, asked, modelled, made)?,
         total_cost: cost_of(made)?,
         tuned_pi: tuned_pi.cloned(),
     })
 }
 
+fn signals_of(made: &SynthesisedDesign) -> DesignSignals<'_> {
+    DesignSignals { controlled: made.controlled, outputs: &made.output_names }
+}
+
 fn balance_basis(
     entries: &[ScheduleEntry],
-    controlled: ControlledQuantity,
+    signals: DesignSignals,
 ) -> Result<Vec<BalanceBasis>, PipelineError> {
     let Some(base) = entries.first().map(|entry| &entry.design) else { return Ok(Vec::new()) };
     let basis = |entry: &ScheduleEntry| {
         let design = &entry.design;
         Ok(BalanceBasis {
-            controllers: controllers_of_design(design, controlled)
+            controllers: controllers_of_design(design, signals.controlled)
                 .into_iter()
                 .map(|controller| controller.result)
                 .collect(),
-            nominal: cost_basis(&Design { plant: design.plant.clone(), ..base.clone() }, controlled)?,
-            redesign: cost_basis(design, controlled)?,
+            nominal: cost_basis(&Design { plant: design.plant.clone(), ..base.clone() }, signals)?,
+            redesign: cost_basis(design, signals)?,
         })
     };
     entries.iter().map(basis).collect()
@@ -300,7 +303,7 @@ fn cost_of(made: &SynthesisedDesign) -> Result<Option<TotalCostResult>, Pipeline
         best_gain: source.best_gain,
         gained_percent: source.gained.map(|share| 100.0 * share),
     };
-    let basis = Some(cost_basis(&made.design, made.controlled)?);
+    let basis = Some(cost_basis(&made.design, signals_of(made))?);
     Ok(Some(TotalCostResult { total: found.total, parts: found.sources.iter().map(row).collect(), basis }))
 }
 
@@ -471,15 +474,31 @@ fn problem(
     if found.method == SynthesisMethod::ThreePart {
         return Ok(of_method);
     }
-    let unnamed = |name: &str, system: &StateSpace| SystemResult::new(name, system, &[], &[]);
+    let (error, weighted) = (["error"], ["weighted_control"]);
     let inner = &found.on_generalised;
     let plant = inner.as_ref().map(|_| generalised_plant(&made.design.plant, weights)).transpose()?;
     Ok(MethodProblem {
-        generalised: plant.map(|plant| unnamed("generalised plant", &plant.system)),
-        on_generalised: inner.as_ref().map(|it| unnamed("controller of the generalised plant", it)),
+        generalised: plant.map(|plant| generalised_result(&plant.system, weights)),
+        on_generalised: inner
+            .as_ref()
+            .map(|it| SystemResult::new("controller of the generalised plant", it, &error, &weighted)),
         basis: None,
         ..of_method
     })
+}
+
+/// Returns a generalised plant with its signals by name. Its disturbances and noise are white with a density of one, its last input and its second
+/// output the control behind its weight.
+fn generalised_result(system: &StateSpace, weights: &FeedbackWeights) -> SystemResult {
+    let inputs = weights.disturbances.iter().map(|entry| match LinearPlant::INPUTS.get(entry.index) {
+        Some(name) => format!("white_noise_of_{name}"),
+        None => format!("white_noise_of_input_{}", entry.index),
+    });
+    let others = ["white_noise_of_the_control", "white_noise_of_the_measurement", "weighted_control"];
+    let inputs = inputs.chain(others.map(str::to_owned)).collect::<Vec<_>>();
+    let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
+    SystemResult::new("generalised plant", system, &inputs, &["weighted_error", "weighted_control", "error"])
+        .without_units()
 }
 
 /// Returns what a three-part feedback solved.
@@ -505,7 +524,7 @@ fn three_part(
         control_weight: TransferFunctionResult::of("feedback.control", &weights.control),
         generalised: None,
         on_generalised: None,
-        basis: Some(feedback_basis(&design, feedback, made.controlled)?),
+        basis: Some(feedback_basis(&design, feedback, signals_of(made))?),
     })
 }
 
@@ -535,7 +554,10 @@ fn lowered_row(made: &SynthesisedDesign) -> Result<Option<LoweredRow>, PipelineE
     let closed = |from_error: &StateSpace| {
         let unit = StateSpace::gain(Mat::eye(1), Timebase::Continuous)?;
         let system = feedback(&series(from_error, &seen)?, &unit)?;
-        Ok::<_, PipelineError>(SystemResult::new("closed loop", &system, &[], &[]))
+        let (demand, measured) = (["demand_rad_s"], ["measured_rate_rad_s"]);
+        Ok::<_, PipelineError>(
+            SystemResult::new("closed loop", &system, &demand, &measured).of_loop(made.controlled),
+        )
     };
     let reduced = &lowered.reduction.reduction.system;
     Ok(Some(LoweredRow {

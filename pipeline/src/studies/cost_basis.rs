@@ -3,12 +3,12 @@
 
 use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::StateSpace;
-use counterpoise_models::ControlledQuantity;
+use counterpoise_models::LinearPlant;
 use counterpoise_synth::{Assembly, Design, DisturbanceChannel, DisturbanceKnowledge, FeedforwardWeights};
 use serde::Serialize;
 
 use crate::PipelineError;
-use crate::exchange::SystemResult;
+use crate::exchange::{DesignSignals, SystemResult};
 
 /// The parts of the integral J = 1/pi over w > 0 of |H_q y|^2 + |H_r u|^2, as [`counterpoise_synth::total_cost`](fn@counterpoise_synth::total_cost) states it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -76,10 +76,10 @@ pub struct ChannelBasis {
 ///
 /// # Errors
 /// Those of the plant with its delay.
-pub fn cost_basis(design: &Design, controlled: ControlledQuantity) -> Result<CostBasis, PipelineError> {
+pub fn cost_basis(design: &Design, signals: DesignSignals) -> Result<CostBasis, PipelineError> {
     let channels = [DisturbanceChannel::Heave, DisturbanceChannel::Pitch].into_iter();
-    let channels = channels.filter_map(|channel| channel_basis(design, channel, controlled)).collect();
-    basis(design, &design.feedback_controller(), controlled, channels)
+    let channels = channels.filter_map(|channel| channel_basis(design, channel, signals)).collect();
+    basis(design, &design.feedback_controller(), signals, channels)
 }
 
 /// Returns what the cost of a feedback alone is computed from, under the weights and on the plant of a design.
@@ -89,15 +89,15 @@ pub fn cost_basis(design: &Design, controlled: ControlledQuantity) -> Result<Cos
 pub fn feedback_basis(
     design: &Design,
     feedback: &StateSpace,
-    controlled: ControlledQuantity,
+    signals: DesignSignals,
 ) -> Result<CostBasis, PipelineError> {
-    basis(design, feedback, controlled, Vec::new())
+    basis(design, feedback, signals, Vec::new())
 }
 
 fn basis(
     design: &Design,
     feedback: &StateSpace,
-    controlled: ControlledQuantity,
+    signals: DesignSignals,
     channels: Vec<ChannelBasis>,
 ) -> Result<CostBasis, PipelineError> {
     let (plant, asked) = (&design.plant, &design.specification);
@@ -115,14 +115,14 @@ fn basis(
             Assembly::Grimble => "grimble",
             Assembly::Joint => "joint",
         },
-        plant: SystemResult::new("design plant", &plant.measured_plant()?, &[], &[]),
+        plant: SystemResult::of_design_plant(&plant.measured_plant()?, signals),
         feedback: SystemResult::new(
             "feedback",
             &feedback.select(&[0], &[1]),
             &["measured_rate_rad_s"],
             &["control_v"],
         )
-        .of_loop(controlled),
+        .of_loop(signals.controlled),
         control_input: plant.control,
         rate_output: plant.rate,
         measurement_noise: weights.measurement_noise,
@@ -136,11 +136,16 @@ fn basis(
 fn channel_basis(
     design: &Design,
     channel: DisturbanceChannel,
-    controlled: ControlledQuantity,
+    signals: DesignSignals,
 ) -> Option<ChannelBasis> {
     let (part, weights) = (design.part(channel)?, design.specification.feedforward(channel)?);
     let asked: &FeedforwardWeights = weights;
-    let sensor = design.plant.sensor(channel).map(|system| SystemResult::new("sensor", system, &[], &[]));
+    let columns = design.plant.columns(channel);
+    let acting: Vec<&str> = columns.iter().filter_map(|k| LinearPlant::INPUTS.get(*k).copied()).collect();
+    let read: Vec<String> = acting.iter().map(|name| format!("measured_{name}")).collect();
+    let read: Vec<&str> = read.iter().take(1).map(String::as_str).collect();
+    let sensor = design.plant.sensor(channel);
+    let sensor = sensor.map(|system| SystemResult::new("sensor", system, &acting[..read.len()], &read));
     let noise = match asked.knowledge {
         DisturbanceKnowledge::Exact => None,
         DisturbanceKnowledge::Measured { noise } => Some(noise),
@@ -150,9 +155,14 @@ fn channel_basis(
             DisturbanceChannel::Heave => "heave",
             DisturbanceChannel::Pitch => "pitch",
         },
-        inputs: design.plant.columns(channel).to_vec(),
-        module: SystemResult::new("feedforward", &part.module, &[], &["control_v", "expected_rate_rad_s"])
-            .of_loop(controlled),
+        inputs: columns.to_vec(),
+        module: SystemResult::new(
+            "feedforward",
+            &part.module,
+            if noise.is_some() { &read } else { &acting },
+            &["control_v", "expected_rate_rad_s"],
+        )
+        .of_loop(signals.controlled),
         true_sensor: sensor.clone().filter(|_| part.module.inputs() == 1),
         sensor: sensor.filter(|_| noise.is_some()),
         noise,

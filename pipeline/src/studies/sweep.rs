@@ -1,5 +1,7 @@
 //! The robustness campaign that the project asks for.
 
+use std::collections::BTreeMap;
+
 use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pool::{Pool, map};
@@ -8,9 +10,10 @@ use counterpoise_verify::robustness::{
     Campaign, FamilyMember, Layout, ParameterInfluence, Sample, Sense, Summary, Variation, WorstMechanism,
     compare_configurations, one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
-use counterpoise_verify::structured::{RobustStability, Uncertainty};
+use counterpoise_verify::structured::{Joints, RobustStability, Uncertainty};
 use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Requirement, VerifiedController};
 use ndarray::Array2;
+use serde::Serialize;
 
 use super::certificate::RegimeRobustness;
 use crate::tolerance::DRIFTING_POLE;
@@ -46,6 +49,26 @@ pub struct CampaignResult {
     pub stability: Option<RobustStability>,
     /// The linear worst case in the other cases of the schedule and regimes of friction.
     pub regimes: Vec<RegimeRobustness>,
+}
+
+/// The mechanisms of a campaign as columns: factors of what varies, and figures, a number a mechanism.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MechanismColumns {
+    /// Number of the mechanism.
+    pub sample: Vec<usize>,
+    /// The columns: factors as `factor.KEY`, figures by the keys of their requirements.
+    #[serde(flatten)]
+    pub values: BTreeMap<String, Vec<f64>>,
+}
+
+impl From<&CampaignResult> for MechanismColumns {
+    fn from(found: &CampaignResult) -> Self {
+        let factors = found.variations.iter().zip(found.factors.columns());
+        let factors = factors.map(|(v, column)| (format!("factor.{}", v.parameter.key()), column.to_vec()));
+        let figures = found.requirements.iter().zip(found.values.columns());
+        let figures = figures.map(|(r, column)| (r.figure.key_in(found.controlled), column.to_vec()));
+        Self { sample: (0..found.samples()).collect(), values: factors.chain(figures).collect() }
+    }
 }
 
 /// How far the stated ranges may be widened together.
@@ -104,6 +127,12 @@ impl CampaignResult {
     /// Returns the case and regime whose ranges can be widened least; `None` if nothing that enters the linear loop varies.
     pub fn least_robust(&self) -> Option<RobustnessLimit<'_>> {
         self.robustness_limits().min_by(|a, b| a.factor.total_cmp(&b.factor))
+    }
+
+    /// Returns the state of friction of the design's own linear worst case.
+    pub fn own_joints(&self) -> Joints {
+        let rests = self.regimes.iter().any(|at| at.joints == Joints::AtRest);
+        if rests { Joints::Sliding } else { Joints::Frictionless }
     }
 
     /// Returns the number of mechanisms.

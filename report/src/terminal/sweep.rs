@@ -1,8 +1,6 @@
 //! What `counterpoise sweep` prints of a campaign.
 
-use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_pipeline::studies::sweep::CampaignResult;
-use counterpoise_verify::structured::Joints;
 
 use super::add_line;
 use crate::sweep::{SweepFigure, robustness_limit};
@@ -53,10 +51,7 @@ fn add_stability(lines: &mut Vec<String>, found: &CampaignResult) {
     }
     match &found.stability {
         Some(own) => {
-            let is_at_rest = |at: &RegimeRobustness| at.joints == Joints::AtRest;
-            let has_friction = found.regimes.iter().any(is_at_rest);
-            let joints = if has_friction { Joints::Sliding } else { Joints::Frictionless };
-            let heading = certificate::worst_case_heading(joints);
+            let heading = certificate::worst_case_heading(found.own_joints());
             let own = robustness::robustness_lines(own);
             own.iter().for_each(|line| add_line!(lines, "{heading}: {line}"));
         }

@@ -442,7 +442,7 @@ def robustness_rows(verify):
         yield from certificates.bounds(one, name)
         if one["nearest"]:
             yield from certificates.nearest(one, name)
-            pole, dt = complex(*one["nearest"]["pole"]), named(verify["systems"], "loop")["sample_time_s"]
+            pole, dt = complex(*one["nearest"]["pole"]), one["nearest"]["systems"][0]["sample_time_s"]
             yield f"oscillation at the limit, Hz, {name}", one["nearest"]["frequency_hz"], abs(np.angle(pole)) / (2.0 * math.pi * dt), 1e-9
 
 

@@ -3,7 +3,7 @@
     python3 tests/peers/results/schema.py PROGRAM [EXAMPLE...]
 
 Needs Python with jsonschema. Runs the commands that every project has, on every project of the examples (or on those named), and
-validates each result, and the `controller.json` that `export` and `design` write, against the definition of its command in docs/reference/results.schema.json.
+validates each result and checks that every signal of every system has a name of its own, and validates the `controller.json` that `export` and `design` write, against the definition of its command in docs/reference/results.schema.json.
 """
 
 import json
@@ -32,6 +32,21 @@ def errors(name, result):
     return [f"{'.'.join(map(str, error.absolute_path))}: {error.message[:200]}" for error in found]
 
 
+def unnamed(result, path=""):
+    """Returns the systems of which a signal lacks a name, or two have the same."""
+    if isinstance(result, dict):
+        if {"A", "B", "C", "D", "inputs", "outputs"} <= result.keys():
+            counts = len(result["D"][0]) if result["D"] else 0, len(result["D"])
+            names = [[signal["name"] for signal in result[key]] for key in ("inputs", "outputs")]
+            if counts != tuple(map(len, names)) or any(len(set(one)) < len(one) or "" in one for one in names):
+                yield f"{path}: {counts[0]} inputs {names[0]}, {counts[1]} outputs {names[1]}"
+        for key, value in result.items():
+            yield from unnamed(value, f"{path}.{key}")
+    elif isinstance(result, list):
+        for k, value in enumerate(result):
+            yield from unnamed(value, f"{path}.{k}")
+
+
 def main():
     program, wrong, valid, refused = str(Path(sys.argv[1]).resolve()), 0, 0, 0
     for project in projects():
@@ -48,7 +63,8 @@ def main():
             if done.returncode not in (0, 1):
                 refused += 1
                 continue
-            found = errors(command, json.loads(done.stdout))
+            result = json.loads(done.stdout)
+            found = errors(command, result) + list(unnamed(result))
             found += errors("controller", written) if written else []
             valid, wrong = valid + (not found), wrong + bool(found)
             for error in found:

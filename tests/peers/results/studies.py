@@ -4,8 +4,8 @@ with what the program writes beside them.
     counterpoise COMMAND PROJECT ... --json=result.json --data data
     python tests/peers/results/studies.py result.json [--series data/series] [--samples out/sweep/samples.parquet] [--verify verify.json]
 
-`replay` and `diagnose` need the series that --data writes, `sweep` the samples of its folder and the limits that the result of `verify` or `design` on the
-same project holds, and `fra` the linear loop of that result. The script fails if a figure differs by more than its
+`replay` and `diagnose` need the series that --data writes, `sweep` the mechanisms that --histories adds to its result or the samples of its folder,
+and `fra` the linear loop of the result of `verify` or `design` on the same project. The script fails if a figure differs by more than its
 tolerance, and lists the printed figures that these files do not determine, each with the reason.
 """
 
@@ -231,34 +231,31 @@ def wilson(good, count):
 
 
 def sweep(result, files):
-    samples = files.get("samples")
-    verdicts = {one["figure"]: one for one in (files.get("verify") or {"verdicts": []})["verdicts"]}
-    columns = [] if samples is None else [name for name in samples if name != "sample" and not name.startswith("factor_")]
-    for k, told in enumerate(result["figures"]):
-        name = told["figure"]
-        yield f"value of the worst case, {name}", told["worst_case"]["value"] if told.get("worst_case") else 0.0, "a design outside the samples, which a search found"
-        limit = verdicts.get(name)
-        if limit and told.get("worst_case"):
-            room = limit["limit"] - told["worst_case"]["value"] if limit["limit_side"] == "at most" else told["worst_case"]["value"] - limit["limit"]
-            yield f"whether the worst case meets it, {name}", float(told["worst_case"]["meets"]), float(room >= 0.0), EXACT
-        if samples is None:
-            yield f"share, interval and quantiles, {name}", told["share"], "the samples are not part of the result: give samples.parquet"
+    """Shares and quantiles from the mechanisms, of which --histories writes all, and the linear worst case from its proofs."""
+    yield from recompute.robustness_rows(result)
+    mechanisms = result.get("mechanisms") or files.get("samples")
+    for told in result["figures"]:
+        name, worst = told["figure"], told.get("worst_case")
+        room = lambda value: told["limit"] - value if told["side"] == "at most" else value - told["limit"]
+        if worst:
+            yield f"value of the worst case, {name}", worst["value"], "a design outside the samples, which a search found: `counterpoise sweep` runs it again with the options that stand beside it"
+            yield f"whether the worst case meets it, {name}", float(worst["meets"]), float(room(worst["value"]) >= 0.0), EXACT
+        if mechanisms is None:
+            yield f"share, interval and quantiles, {name}", told["share"], "the mechanisms are not part of the result without --histories"
             continue
-        assert columns[k].startswith(name.split(" ")[0]), (columns[k], name)
-        whole = samples[columns[k]]
+        whole = np.array([math.nan if value is None else value for value in mechanisms[name]])
         values = whole[~np.isnan(whole)]
         for key, share in (("q05", 0.05), ("median", 0.5), ("q95", 0.95)):
             yield f"{key}, {name}", told[key], quantile(values, share), FORMULA
-        if not limit:
-            yield f"share, interval and worst sample, {name}", told["share"], "the limits are not part of the result: give that of verify"
-            continue
-        room = limit["limit"] - values if limit["limit_side"] == "at most" else values - limit["limit"]
-        good = int(np.sum(room >= 0.0))
+        good = int(np.sum(room(values) >= 0.0))
         yield f"share, {name}", told["share"], good / len(values), FORMULA
         for side, mine, its in zip(("lower", "upper"), wilson(good, len(values)), told["interval"]):
             yield f"{side} end of the interval, {name}", its, mine, FORMULA
-        worst = samples["sample"][~np.isnan(whole)][int(np.argmin(room))]
-        yield f"worst sample, {name}", float(told["worst_sample"]), float(worst), EXACT
+        number = np.array(mechanisms["sample"])[~np.isnan(whole)][int(np.argmin(room(values)))]
+        yield f"worst sample, {name}", float(told["worst_sample"]), float(number), EXACT
+        if worst:
+            of_worst = float(np.min(room(values)))
+            yield f"worst case no better than the worst sample, {name}", 0.0, max(room(worst["value"]) - of_worst, 0.0), EXACT
 
 
 def claims(result, _):

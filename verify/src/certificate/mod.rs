@@ -208,7 +208,9 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
     let regimes = regime::loops(subject)?;
     let prediction = prediction::predict(subject)?;
     let orbits = orbit::follow_orbits(subject, &prediction)?;
-    let rest = runs::at_rest(subject)?;
+    let sector = sector::prove(subject)?;
+    let is_proved = sector.as_ref().is_some_and(SectorProof::holds);
+    let rest = runs::at_rest(subject, is_proved)?;
     let motion = runs::run_in_motion(subject)?;
     let mut found = CaseCertificate {
         name: subject.case.name.clone(),
@@ -219,7 +221,7 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
         regimes,
         prediction,
         orbits,
-        sector: sector::prove(subject)?,
+        sector,
         rest,
         motion,
         noise_floor_rad_s,
@@ -239,15 +241,12 @@ fn judge(found: &CaseCertificate) -> Stability {
     }
     let floor = MOVES_FLOORS * found.noise_floor_rad_s;
     let cycles = found.rest.frequency_hz * RUN_S >= LEAST_CYCLES && found.rest.is_periodic();
-    if found.rest.rms_rad_s > floor && cycles {
+    if found.rest.rms_rad_s > floor && cycles && found.rest.recurs {
         let Run { amplitude_rad_s, frequency_hz, .. } = found.rest;
         return Stability::LimitCycle { amplitude_rad_s, frequency_hz };
     }
-    let (cycling, wandering): (Vec<&Orbit>, Vec<&Orbit>) = found
-        .orbits
-        .iter()
-        .filter(|orbit| orbit.rms_rad_s > floor)
-        .partition(|orbit| orbit.frequency_hz > 0.0);
+    let (cycling, wandering): (Vec<&Orbit>, Vec<&Orbit>) =
+        found.orbits.iter().filter(|orbit| orbit.rms_rad_s > floor).partition(|orbit| orbit.recurs);
     if let Some(largest) = cycling.into_iter().max_by(|a, b| a.rms_rad_s.total_cmp(&b.rms_rad_s)) {
         let (amplitude_rad_s, frequency_hz) = (largest.amplitude_rad_s, largest.frequency_hz);
         return Stability::LimitCycle { amplitude_rad_s, frequency_hz };

@@ -8,12 +8,12 @@ use counterpoise_simulate::{Initial, Scenario, Signal, Simulator};
 
 use super::Prediction;
 use super::floor::Subject;
+use super::runs::{self, HubCycle, cycle_of};
 use crate::Error;
-use crate::signals::period::fundamental_hz;
+use crate::signals::rms;
 use crate::signals::statistics::subtract_mean;
-use crate::signals::{mean, rms};
 use crate::tolerance::{
-    BURST_PERIODS, CYCLE_BAND, FADED_FLOORS, LONGEST_STRETCH_S, MULTIPLE, OBSERVED_S, SETTLED, SETTLING_S,
+    BURST_PERIODS, FADED_FLOORS, LONGEST_STRETCH_S, MOVES_FLOORS, OBSERVED_S, SETTLED, SETTLING_S,
     STILL_FADES, STRETCH_PERIODS, STRETCH_S,
 };
 
@@ -32,6 +32,8 @@ pub struct Orbit {
     pub amplitude_rad_s: f64,
     /// Frequency, Hz; 0 if the motion faded.
     pub frequency_hz: f64,
+    /// `true` if runs with noise have the same cycle; `false` also for a motion without a cycle.
+    pub recurs: bool,
     /// The hub's rate about its mean over the last stretch that was followed, rad/s; empty if it diverged before one ended.
     pub rates_rad_s: Vec<f64>,
 }
@@ -75,6 +77,7 @@ fn orbit(subject: &Subject<'_>, simulator: &mut Simulator, start: Start) -> Resu
         rms_rad_s: 0.0,
         amplitude_rad_s: 0.0,
         frequency_hz: 0.0,
+        recurs: false,
         rates_rad_s: Vec::new(),
     };
     let settles = |value: Result<Stretches, Error>| match value {
@@ -111,6 +114,9 @@ fn orbit(subject: &Subject<'_>, simulator: &mut Simulator, start: Start) -> Resu
     found.amplitude_rad_s = run.amplitude_rad_s;
     found.frequency_hz = run.frequency_hz;
     found.rates_rad_s = run.rates_rad_s;
+    let is_cycle = found.frequency_hz > 0.0 && found.rms_rad_s > MOVES_FLOORS * floor;
+    let cycle = HubCycle { amplitude_rad_s: found.amplitude_rad_s, frequency_hz: found.frequency_hz };
+    found.recurs = is_cycle && runs::cycle_recurs(subject, cycle, &burst(subject, start)?)?;
     Ok(found)
 }
 
@@ -172,7 +178,8 @@ impl Stretches {
         self.before_rad_s.extend(Some(self.settling_rms).filter(|rms| !rms.is_nan()));
         self.settling_rms = subject.settling_rms(&run.truth);
         self.rms_rad_s = rms(&rates);
-        [self.amplitude_rad_s, self.frequency_hz] = cycle_of(&rates, run.sample_period_s);
+        let cycle = cycle_of(&rates, run.sample_period_s);
+        (self.amplitude_rad_s, self.frequency_hz) = (cycle.amplitude_rad_s, cycle.frequency_hz);
         self.rates_rad_s = rates;
         self.time_s += self.stretch_s;
         self.state = run.final_state;
@@ -243,29 +250,4 @@ fn stiffness(subject: &Subject<'_>) -> f64 {
     let pivot = parameters.pivot_friction.presliding_stiffness_nm_rad().unwrap_or(gear);
     let motor = parameters.motor_friction.presliding_stiffness_nm_rad().map_or(gear, |k| k * ratio * ratio);
     pivot + motor
-}
-
-/// Half the range of a rate, and its frequency by the upward crossings of a band about its mean, Hz; 0 with fewer than two. A motion with harmonics
-/// that cross the band as well has the frequency with which it repeats itself.
-pub(super) fn cycle_of(rates: &[f64], period_s: f64) -> [f64; 2] {
-    let high = rates.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let low = rates.iter().copied().fold(f64::INFINITY, f64::min);
-    let (middle, band) = (mean(rates), CYCLE_BAND * (high - low));
-    let (mut is_above, mut crossings) = (true, Vec::new());
-    for (k, rate) in rates.iter().enumerate() {
-        if !is_above && *rate > middle + band {
-            is_above = true;
-            crossings.push(k);
-        } else if *rate < middle - band {
-            is_above = false;
-        }
-    }
-    let hz = match (crossings.first(), crossings.last()) {
-        (Some(first), Some(last)) if last > first => {
-            let crossed = (crossings.len() - 1) as f64 / ((last - first) as f64 * period_s);
-            fundamental_hz(rates, period_s).filter(|hz| *hz < MULTIPLE * crossed).unwrap_or(crossed)
-        }
-        _ => 0.0,
-    };
-    [0.5 * (high - low), hz]
 }
