@@ -62,6 +62,9 @@ pub struct DiagnoseOptions {
     /// improves
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     pub held_out: Vec<PathBuf>,
+    /// With --json or --data: also what was recorded beside what the models give, before and after
+    #[arg(long, requires = WRITTEN)]
+    pub histories: bool,
     /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,

@@ -225,7 +225,7 @@ fn returning_criterion(name: &str, adapted: f64, truth: f64) -> Criterion {
         "returns",
         adapted,
         RETURNED,
-        "half more is 3.5 dB",
+        "returned means within 10 %, as a restored friction does",
     )
     .with_explained_range(RETURNED, RETURNED * truth)
 }

@@ -315,6 +315,7 @@ pub fn other_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError>
     }
     let nominal = found[1].residual_rad_s;
     let over = |b: &NonlinearBehaviour| b.residual_rad_s / nominal;
+    let added = |b: &NonlinearBehaviour| over(b) - 1.0;
     Ok(Claim {
         id: "C11",
         title: "friction",
@@ -336,14 +337,26 @@ pub fn other_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError>
                 [0.9, 1.1],
                 "restored means within 10 %",
             )
-            .with_explained_range(1.0, 2.2),
+            .with_explained_range(1.1, 2.0),
             Criterion::with_range(
                 "halved, observer identified anew: RMS hub rate over the normal", "restored",
                 over(&updated[0]),
                 [0.9, 1.1],
                 "restored means within 10 %",
             )
-            .with_explained_range(0.45, 1.0),
+            .with_explained_range(0.5, 0.9),
+            Criterion::at_most(
+                "doubled, observer identified anew: share that stays of the hub rate that the change added", "restored",
+                added(&updated[1]) / added(&found[2]),
+                0.2,
+                "a fifth is 14 dB",
+            ),
+            Criterion::at_most(
+                "halved, observer identified anew: share that stays of the hub rate that the change added", "restored",
+                added(&updated[0]) / added(&found[0]),
+                0.2,
+                "a fifth is 14 dB",
+            ),
         ],
         why: "what an observer leaves is in proportion to the friction that it cancels: it follows a reversal as late as the gyroscope does. With twice the friction up to twice as much is left, with half the friction down to half".to_owned(),
         drawings: other_friction_figures(tested, &factors, &found, &controllers, &updated)?,

@@ -14,7 +14,7 @@ pub(crate) const LEAST_STEP_ERROR: f64 = 1e-10;
 pub(crate) const LEAST_LENGTH: f64 = 1e-12;
 
 /// The hub rate has returned where it is within this times the default case's.
-pub(crate) const RETURNED: f64 = 1.5;
+pub(crate) const RETURNED: f64 = 1.1;
 
 /// The largest error of a reduction, relative to the largest response, that keeps the response: the thesis' figure does not show 5 %.
 pub(crate) const KEPT_RESPONSE: f64 = 0.05;

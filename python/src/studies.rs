@@ -93,7 +93,9 @@ pub fn adaptation(
 ) -> PyResult<String> {
     project.json(py, progress, |project, world| {
         let loaded = project.load_for(Purpose::Verify)?;
-        Ok(AdaptText::from(&study_adaptation(&loaded.project, world)?))
+        let mut found = study_adaptation(&loaded.project, world)?;
+        found.leave_histories_out();
+        Ok(AdaptText::from(&found))
     })
 }
 

@@ -36,7 +36,7 @@ fn certificates_do_not_contradict_an_independent_simulator() {
 #[test]
 fn a_certified_limit_cycle_is_that_of_an_independent_simulator_from_the_same_burst() {
     let base = base();
-    for seed in [1203, 1259] {
+    for seed in [1203, 50054] {
         let [amplitude, frequency] =
             trial(seed, &base).unwrap().cycle_errors().expect("the limit cycle stays");
         assert!(amplitude.abs() <= 0.2 && frequency.abs() <= 0.05, "seed {seed}: {amplitude} {frequency}");

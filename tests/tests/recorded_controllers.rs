@@ -30,13 +30,26 @@ use counterpoise_tests::exported_loop::{controller_file, document, from_file};
 /// Ratio of residual to noise floor up to which a replay is that of the machine itself.
 const REPLAYED: f64 = 1.5;
 
+/// Name of the reference rig with the friction observer of one example, the schedule of another and the adaptation of a third.
+const COMBINED: &str = "combined";
+
 fn folder(name: &str) -> PathBuf {
+    let name = if name == COMBINED { "reference-rig" } else { name };
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name)
 }
 
 fn project(name: &str) -> Project {
     let bytes = fs::read(folder(name).join("project.toml")).unwrap();
-    Project::from_bytes(&bytes, "project.toml").unwrap().project
+    let mut found = Project::from_bytes(&bytes, "project.toml").unwrap().project;
+    if name == COMBINED {
+        let options = |name: &str| project(name).synth.unwrap().options;
+        let own = &mut found.synth.as_mut().unwrap().options;
+        own.observer = own.observer.take().or_else(|| options("out-of-balance-schedule").observer);
+        own.schedule = options("out-of-balance-schedule").schedule;
+        own.adaptation = options("adaptation").adaptation;
+        assert!(own.observer.is_some() && own.schedule.is_some() && own.adaptation.is_some());
+    }
+    found
 }
 
 /// The controller of the recordings, from the text of the `controller.json` that an export of it writes.
@@ -223,9 +236,9 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
     assert!(diagnosed.diagnosis.answer.remarks.iter().any(said));
 }
 
-/// Examples whose controllers differ in their blocks: three parts, a friction observer, a schedule, an estimator.
-const EXAMPLES: [&str; 5] =
-    ["reference-rig", "out-of-balance-schedule", "adaptation", "lqg-ltr-and-hinf", "tip-control"];
+/// Examples whose controllers differ in their blocks: three parts, a friction observer, a schedule, an estimator, and these together.
+const EXAMPLES: [&str; 6] =
+    ["reference-rig", "out-of-balance-schedule", "adaptation", "lqg-ltr-and-hinf", "tip-control", COMBINED];
 
 /// The largest difference of two recordings of one machine, over the noise floors of both, with its channel.
 fn largest_difference(plant: &Plant, one: &Recording, other: &Recording) -> f64 {

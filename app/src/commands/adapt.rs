@@ -13,7 +13,7 @@ use counterpoise_report::results::AdaptText;
 use counterpoise_report::wording::adaptation::describe_run;
 
 use crate::exit::{CommandResult, verdict_code};
-use crate::options::CommandOutputs;
+use crate::options::{CommandOutputs, WRITTEN};
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, ProjectWorld};
 
@@ -22,6 +22,9 @@ use counterpoise_host::projects::{self, ProjectWorld};
 pub struct AdaptOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
+    /// With --json or --data: also the hub rate in every run, from which the figures can be recomputed (tens of megabytes)
+    #[arg(long, requires = WRITTEN)]
+    pub histories: bool,
     /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,
@@ -32,7 +35,10 @@ pub fn run(options: &AdaptOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Verify)?;
     output::print_warnings(&loaded, options.outputs.results.progress());
     let world = ProjectWorld::of(&loaded, options.outputs.results.progress());
-    let result = study_adaptation(&loaded.project, &world)?;
+    let mut result = study_adaptation(&loaded.project, &world)?;
+    if !options.histories {
+        result.leave_histories_out();
+    }
     let (runs, tried) = (&result.runs, &result.trials);
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise adapt {}", options.project.display());

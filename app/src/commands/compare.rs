@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 
 use crate::exit::{CommandResult, ExitStatus};
-use crate::options::ResultOutput;
+use crate::options::{ResultOutput, WRITTEN};
 use crate::output::{self, say};
 
 /// Arguments of `compare`.
@@ -31,6 +31,9 @@ pub struct CompareOptions {
     /// Write a report to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
+    /// With --json or --data: also the runs of every design, from which the nonlinear figures can be recomputed
+    #[arg(long, requires = WRITTEN)]
+    pub histories: bool,
     /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
@@ -51,7 +54,11 @@ pub fn run(options: &CompareOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Compare)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let found = design_table(&loaded.project, &ComparisonRequest { further }, &world)?;
+    let found = design_table(
+        &loaded.project,
+        &ComparisonRequest { further, keeps_histories: options.histories },
+        &world,
+    )?;
     let table = DesignTableText::from(found);
     let times = world.times();
     let designs = times.iter().filter(|time| time.name == PipelineStage::Synthesise.name());

@@ -1,9 +1,11 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
+use super::replay::track_histories;
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::FitTable;
 use counterpoise_diagnose::findings::channel_fits::PooledFits;
+use counterpoise_pipeline::exchange::WithHistories;
 use counterpoise_pipeline::recordings::{
     RecordingFile, channel_label, channel_words, diagnose, replay_held_out, replay_improved,
 };
@@ -60,7 +62,8 @@ pub fn run(options: &DiagnoseOptions) -> CommandResult {
         output::write_report(path, &options.outputs.results, &page)?;
     }
     output::write_tracks(&options.outputs.results, &diagnosed.tracks)?;
-    if !output::write_result(&options.outputs.results, &answer)? {
+    let histories = if options.histories { track_histories(&diagnosed.tracks) } else { Vec::new() };
+    if !output::write_result(&options.outputs.results, &WithHistories { result: &answer, histories })? {
         print(&loaded, &answer);
         print_confirmation(&loaded, &confirmed);
         print_held_out(&loaded, &answer.held_out_recordings);

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Error};
 use clap::Args;
-use counterpoise_diagnose::experiment::Limits;
+use counterpoise_diagnose::experiment::{ExperimentPlan, Limits, MachineMotion, PossibleMachine};
 use counterpoise_host::workers::ProgressPool;
 use counterpoise_host::{files, projects};
+use counterpoise_pipeline::exchange::{RunHistory, RunSignal, WithHistories};
 use counterpoise_pipeline::recordings::experiment::{DiagnosisFindings, plan_experiment};
 use counterpoise_project::Purpose;
 use counterpoise_report::terminal::experiment::experiment_lines;
@@ -14,7 +15,7 @@ use counterpoise_report::wording::experiment::describe_plan;
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
 use crate::exit::{CommandResult, ExitStatus};
-use crate::options::ResultOutput;
+use crate::options::{ResultOutput, WRITTEN};
 use crate::output::{self, say};
 
 /// Arguments of `experiment`.
@@ -33,6 +34,9 @@ pub struct ExperimentOptions {
     /// CSV file for the demand
     #[arg(short, long, value_name = "FILE", default_value = "demand.csv")]
     pub output: PathBuf,
+    /// With --json or --data: also the motion of every machine in the best experiment
+    #[arg(long, requires = WRITTEN)]
+    pub histories: bool,
     /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
@@ -104,12 +108,27 @@ pub fn run(options: &ExperimentOptions) -> CommandResult {
     if let Some(best) = planned.experiments.first() {
         projects::write_file(&options.output, csv(&best.demand, period_s).as_bytes())?;
     }
-    if !output::write_result(&options.results, &text)? {
+    let histories = if options.histories { motion_histories(&planned) } else { Vec::new() };
+    if !output::write_result(&options.results, &WithHistories { result: &text, histories })? {
         let controlled = loaded.project.plant.controlled_quantity();
         output::print_lines(&experiment_lines(&text, controlled));
         say!("the demand is written to {}", options.output.display());
     }
     Ok(ExitStatus::SUCCESS)
+}
+
+/// Returns the motion of every machine in the best experiment.
+fn motion_histories(planned: &ExperimentPlan) -> Vec<RunHistory> {
+    let history = |(machine, motion): (&PossibleMachine, &MachineMotion)| {
+        let signals = [
+            ("angle_rad", &motion.angle_rad),
+            ("rate_rad_s", &motion.rate_rad_s),
+            ("current_a", &motion.current_a),
+        ];
+        let signals = signals.map(|(name, samples)| RunSignal::new(name, samples.as_slice()));
+        RunHistory::new(&machine.name, motion.period_s, signals)
+    };
+    planned.machines.iter().zip(&planned.motions).map(history).collect()
 }
 
 /// Returns the demand as a CSV recording.

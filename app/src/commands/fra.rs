@@ -19,7 +19,7 @@ use counterpoise_simulate::fra::Measurement;
 use ndarray::Array2;
 
 use crate::exit::{CommandResult, ExitStatus};
-use crate::options::CommandOutputs;
+use crate::options::{CommandOutputs, WRITTEN};
 use crate::output::{self, say};
 use counterpoise_host::clock::Moment;
 use counterpoise_host::projects::{self, ProjectOnDisk};
@@ -53,6 +53,9 @@ pub struct FraOptions {
     /// Measure the map again on 1, 2, 4, ... threads, and print how the time falls
     #[arg(long, conflicts_with = "recording")]
     pub scaling: bool,
+    /// With --json or --data: also the signals of every point, from which the responses can be recomputed
+    #[arg(long, requires = WRITTEN, conflicts_with = "recording")]
+    pub histories: bool,
     /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,
@@ -152,6 +155,7 @@ fn map_simulated_mechanism(
     let modelled = pipeline::build_plant_model(&loaded.project)?;
     let project = &loaded.project;
     let analyser = Analyser::new(project, &modelled, plan, LoopController::Simulation)?;
+    let analyser = if options.histories { analyser.with_signals() } else { analyser };
     let analyser = match options.plant {
         PlantName::Project => analyser,
         PlantName::Lumped => analyser.with_structure(project, StructureChoice::Lumped, plan)?,

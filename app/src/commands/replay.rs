@@ -9,7 +9,9 @@ use counterpoise_host::projects::{self, ProjectOnDisk};
 use counterpoise_host::terminal::print_message;
 use counterpoise_host::workers::{QuietPool, try_map_stream};
 use counterpoise_pipeline::PipelineError;
+use counterpoise_pipeline::exchange::{RunHistory, WithHistories};
 use counterpoise_pipeline::recordings::controller_origin::other_export;
+use counterpoise_pipeline::recordings::tracks::ChannelTrack;
 use counterpoise_pipeline::recordings::{ProjectReplayer, ReplayControl, ReplayLength, ReplaySettings};
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_pool::Pool;
@@ -22,7 +24,7 @@ use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 
 use crate::exit::{CommandResult, ExitStatus};
-use crate::options::CommandOutputs;
+use crate::options::{CommandOutputs, WRITTEN};
 use crate::output::{self, say};
 
 /// Arguments of `replay`.
@@ -40,9 +42,17 @@ pub struct ReplayOptions {
     /// SECONDS; `none` follows it from start to end; `auto` uses half a second, or a half or a quarter of that, if the machine hunts, otherwise `none`
     #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
     pub windows: ReplayLength,
+    /// With --json or --data: also what was recorded beside what the model gives, from which the errors can be recomputed
+    #[arg(long, requires = WRITTEN)]
+    pub histories: bool,
     /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,
+}
+
+/// Returns channels of recordings beside what models simulate as plain data.
+pub(super) fn track_histories<'t>(tracks: impl IntoIterator<Item = &'t ChannelTrack>) -> Vec<RunHistory> {
+    tracks.into_iter().map(ChannelTrack::history).collect()
 }
 
 /// `auto`, `none` or a length in seconds.
@@ -87,7 +97,12 @@ pub fn run(options: &ReplayOptions) -> CommandResult {
         output::write_report(path, &options.outputs.results, &page)?;
     }
     output::write_tracks(&options.outputs.results, replayed.iter().flat_map(|one| &one.tracks))?;
-    if !output::write_result(&options.outputs.results, &result)? {
+    let histories = if options.histories {
+        track_histories(replayed.iter().flat_map(|one| &one.tracks))
+    } else {
+        Vec::new()
+    };
+    if !output::write_result(&options.outputs.results, &WithHistories { result: &result, histories })? {
         print(&shown);
     }
     Ok(ExitStatus::SUCCESS)

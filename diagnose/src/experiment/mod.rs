@@ -8,5 +8,8 @@ pub mod plan;
 pub mod separation;
 
 pub use menu::{Demand, DemandShape, Limits};
-pub use plan::{ExperimentExtremes, ExperimentPlan, ExperimentRequest, PlannedExperiment, choose_experiment};
-pub use separation::{PossibleMachine, Separation};
+pub use plan::{
+    ExperimentExtremes, ExperimentPlan, ExperimentRequest, MachineMotion, PlannedExperiment,
+    choose_experiment,
+};
+pub use separation::{PossibleMachine, Refit, Separation};

@@ -77,6 +77,21 @@ pub struct ExperimentPlan {
     pub machines: Vec<PossibleMachine>,
     /// The experiments, the one first that separates best.
     pub experiments: Vec<PlannedExperiment>,
+    /// The motion of every machine in the best experiment.
+    pub motions: Vec<MachineMotion>,
+}
+
+/// The motion of a machine in an experiment, sample by sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MachineMotion {
+    /// Sample period, s.
+    pub period_s: f64,
+    /// Angle from the start, rad.
+    pub angle_rad: Vec<f64>,
+    /// Rate, rad/s.
+    pub rate_rad_s: Vec<f64>,
+    /// Current, A.
+    pub current_a: Vec<f64>,
 }
 
 /// Returns the plan within the limits; it has no experiments if fewer than two machines keep them.
@@ -85,7 +100,7 @@ pub fn choose_experiment(request: &ExperimentRequest, pool: &dyn Pool) -> Experi
     let demands = list_demands(&request.limits, first.parameters.interface.sample_period_s);
     let machines = request.that_keep_limits(&demands, pool);
     if machines.len() < 2 {
-        return ExperimentPlan { machines, experiments: Vec::new() };
+        return ExperimentPlan { machines, ..ExperimentPlan::default() };
     }
     let request = ExperimentRequest { machines: &machines, ..*request };
     let count = demands.len();
@@ -96,7 +111,8 @@ pub fn choose_experiment(request: &ExperimentRequest, pool: &dyn Pool) -> Experi
     let mut experiments: Vec<PlannedExperiment> = tried.into_iter().flatten().collect();
     let weakest = |e: &PlannedExperiment| e.weakest_separation().map_or(0.0, |s| s.log_likelihood_ratio);
     experiments.sort_by(|a, b| weakest(b).total_cmp(&weakest(a)));
-    ExperimentPlan { machines, experiments }
+    let motions = experiments.first().map_or_else(Vec::new, |best| request.motions(&best.demand));
+    ExperimentPlan { machines, experiments, motions }
 }
 
 impl ExperimentRequest<'_> {
@@ -182,6 +198,21 @@ impl ExperimentRequest<'_> {
             firing: Firing::Stated,
         };
         simulator.run(self.controller.at_rest().as_mut(), &scenario).ok()
+    }
+
+    /// Returns the motion of every machine under a demand.
+    fn motions(&self, demand: &[f64]) -> Vec<MachineMotion> {
+        let of = |possible: &PossibleMachine| {
+            let history = self.simulate_machine(&possible.parameters, demand)?;
+            let angle = history.truth.hub_angle_rad().iter().map(|angle| angle - self.start_angle_rad);
+            Some(MachineMotion {
+                period_s: history.sample_period_s,
+                angle_rad: angle.collect(),
+                rate_rad_s: history.truth.hub_rate_rad_s().to_vec(),
+                current_a: history.truth.current_a().to_vec(),
+            })
+        };
+        self.machines.iter().filter_map(of).collect()
     }
 
     fn reached_limits(&self, history: &TimeHistory) -> ExperimentExtremes {

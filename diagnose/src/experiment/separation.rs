@@ -20,7 +20,7 @@ pub struct PossibleMachine {
 }
 
 /// Separation of two machines by an experiment.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Separation {
     /// Index of one machine.
     pub first: usize,
@@ -30,6 +30,19 @@ pub struct Separation {
     pub log_likelihood_ratio: f64,
     /// Probability that the ratio exceeds what a decision needs.
     pub probability: f64,
+    /// The first as true and the second fitted to it, then the other way round.
+    pub refits: [Refit; 2],
+}
+
+/// The linear fit of a rival to the machine that is true, of which the expected log-likelihood ratio is what it leaves. Everything is over the noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refit {
+    /// Squared distance of what both record.
+    pub squared_distance: f64,
+    /// Products of the slopes of the rival's recording with each other, a row a parameter, with the ridge on its diagonal.
+    pub slopes: Vec<Vec<f64>>,
+    /// Products of the slopes with the distance.
+    pub slopes_with_distance: Vec<f64>,
 }
 
 /// The recording that a machine would make, over the noise floors, and how that changes with each of its fitted parameters.
@@ -45,33 +58,43 @@ pub(super) fn separation(
     first: &ExpectedSignals,
     second: &ExpectedSignals,
 ) -> Separation {
-    let log_likelihood_ratio = expected_ratio(first, second).min(expected_ratio(second, first));
+    let refits = [refit(first, second), refit(second, first)];
+    let log_likelihood_ratio = refits[0].expected_ratio().min(refits[1].expected_ratio());
     Separation {
         first: indices[0],
         second: indices[1],
         log_likelihood_ratio,
         probability: probability(log_likelihood_ratio),
+        refits,
     }
 }
 
-/// Returns the expected log-likelihood ratio if one machine is true and the rival is fitted to it.
-fn expected_ratio(truth: &ExpectedSignals, rival: &ExpectedSignals) -> f64 {
+/// Returns the fit of a rival to the machine that is true.
+fn refit(truth: &ExpectedSignals, rival: &ExpectedSignals) -> Refit {
     let difference: Vec<f64> = truth.signals.iter().zip(&rival.signals).map(|(t, r)| t - r).collect();
-    let all = dot(&difference, &difference);
+    let product = |(i, j): (usize, usize)| {
+        let own = dot(&rival.slopes[i], &rival.slopes[j]);
+        if i == j { own * (1.0 + REFIT_RIDGE) + f64::MIN_POSITIVE } else { own }
+    };
     let count = rival.slopes.len();
-    if count == 0 {
-        return 0.5 * all;
+    Refit {
+        squared_distance: dot(&difference, &difference),
+        slopes: (0..count).map(|i| (0..count).map(|j| product((i, j))).collect()).collect(),
+        slopes_with_distance: rival.slopes.iter().map(|slope| dot(slope, &difference)).collect(),
     }
-    let (mut normal, mut right) = (Mat::zeros(count, count), vec![0.0; count]);
-    for (i, a) in rival.slopes.iter().enumerate() {
-        right[i] = dot(a, &difference);
-        for (j, b) in rival.slopes.iter().enumerate() {
-            normal[(i, j)] = dot(a, b);
+}
+
+impl Refit {
+    /// Returns the expected log-likelihood ratio.
+    fn expected_ratio(&self) -> f64 {
+        let (all, right) = (self.squared_distance, &self.slopes_with_distance);
+        if right.is_empty() {
+            return 0.5 * all;
         }
-        normal[(i, i)] = normal[(i, i)] * (1.0 + REFIT_RIDGE) + f64::MIN_POSITIVE;
+        let normal = Mat::from_fn(right.len(), right.len(), |i, j| self.slopes[i][j]);
+        let explained = solve(&normal, &Mat::col(right)).map_or(0.0, |step| dot(step.as_slice(), right));
+        0.5 * (all - explained).max(0.0)
     }
-    let explained = solve(&normal, &Mat::col(&right)).map_or(0.0, |step| dot(step.as_slice(), &right));
-    0.5 * (all - explained).max(0.0)
 }
 
 /// Returns the probability that a log-likelihood ratio of this mean, and of twice the mean as its variance, exceeds what a decision needs.

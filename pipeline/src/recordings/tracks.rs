@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::exchange::{RunHistory, RunSignal};
 use crate::recordings::channel_words::{ChannelWords, channel_words};
 use counterpoise_models::{ControlledQuantity, Parameters};
 use counterpoise_recordings::{Channel, ColumnName, Recording, Signals};
@@ -44,6 +45,18 @@ impl ColumnName for TrackColumn {
 }
 
 impl ChannelTrack {
+    /// Returns the track as plain data, under the name of its recording and its channel.
+    pub fn history(&self) -> RunHistory {
+        let runs = [
+            (TrackColumn::Measured, "measured"),
+            (TrackColumn::Before, "before"),
+            (TrackColumn::After, "after"),
+        ];
+        let there = runs.into_iter().filter(|(column, _)| self.signals.has(*column));
+        let signals = there.map(|(column, name)| RunSignal::new(name, self.signals.column(column).to_vec()));
+        RunHistory::new(format!("{} {}", self.recording, self.channel.name()), self.period_s, signals)
+    }
+
     /// Returns the quantity that the loop controls, if this is the track of its reading.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
         ControlledQuantity::of_unit(self.channel.unit())

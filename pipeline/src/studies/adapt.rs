@@ -114,13 +114,17 @@ pub struct AdaptationInterval {
     pub hub_rms_rad_s: f64,
     /// The same over that of run (a) in the same time.
     pub over_default: f64,
+    /// The hub rate of which that RMS is, rad/s; empty if it was left out.
+    pub settled_rates_rad_s: Vec<f64>,
+    /// That of run (a) in the same time.
+    pub default_rates_rad_s: Vec<f64>,
     /// `true` if the adaptation was in force throughout.
     pub adapted: bool,
 }
 
 impl Serialize for AdaptationInterval {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(7))?;
+        let mut map = serializer.serialize_map(None)?;
         let of_balance = |stem: &str| format!("{stem}_{}", self.rate.axis.unit("kg m").replace(' ', "_"));
         map.serialize_entry("from_to_s", &self.from_to_s)?;
         map.serialize_entry("factor", &self.factor)?;
@@ -129,6 +133,10 @@ impl Serialize for AdaptationInterval {
         map.serialize_entry(&self.rate.named_figure("hub_rms_rad_s"), &self.hub_rms_rad_s)?;
         map.serialize_entry("over_default", &self.over_default)?;
         map.serialize_entry("adapted", &self.adapted)?;
+        if !self.settled_rates_rad_s.is_empty() {
+            map.serialize_entry(&format!("settled_{}", self.rate.signal()), &self.settled_rates_rad_s)?;
+            map.serialize_entry(&format!("default_{}", self.rate.signal()), &self.default_rates_rad_s)?;
+        }
         map.end()
     }
 }
@@ -228,8 +236,9 @@ pub fn adapt(
     let mut runs: Vec<AdaptRun> = Vec::new();
     for plan in plans(adaptation) {
         let (mut run, default) = (stage.run(&plan)?, stage.default_for(&plan)?);
-        for (interval, usual) in run.intervals.iter_mut().zip(&default) {
-            interval.over_default = interval.hub_rms_rad_s / usual;
+        for (interval, usual) in run.intervals.iter_mut().zip(default) {
+            interval.over_default = interval.hub_rms_rad_s / usual.hub_rms_rad_s;
+            interval.default_rates_rad_s = usual.settled_rates_rad_s;
         }
         runs.push(run);
     }
@@ -364,8 +373,10 @@ impl Stage<'_> {
                 factor,
                 out_of_balance_kg_m: factor * moment,
                 used_kg_m: noted.acting.used_kg_m(source),
-                hub_rms_rad_s: settled_rms(&history),
+                hub_rms_rad_s: rms(settled_rates(&history)),
                 over_default: 1.0,
+                settled_rates_rad_s: settled_rates(&history).to_vec(),
+                default_rates_rad_s: Vec::new(),
                 adapted: late,
             });
             angle = history.truth.platform_angle_rad().last().copied().unwrap_or(angle);
@@ -375,11 +386,11 @@ impl Stage<'_> {
         Ok(AdaptRun { kind: plan.kind, adapts, intervals, trace })
     }
 
-    /// Returns the RMS of the default case in the parts of a plan.
-    fn default_for(&self, plan: &Plan) -> Result<Vec<f64>, PipelineError> {
+    /// Returns the default case in the parts of a plan.
+    fn default_for(&self, plan: &Plan) -> Result<Vec<AdaptationInterval>, PipelineError> {
         let parts = plan.parts.iter().map(|(start, _)| (*start, 1.0)).collect();
         let default = Plan { kind: RunKind::Default, parts, from: None, amplifier: Amplifier::Modelled };
-        Ok(self.run(&default)?.intervals.iter().map(|interval| interval.hub_rms_rad_s).collect())
+        Ok(self.run(&default)?.intervals)
     }
 
     fn plant(&self, amplifier: Amplifier) -> Result<Plant, PipelineError> {
@@ -520,9 +531,12 @@ impl Stage<'_> {
     }
 }
 
-/// Returns the RMS of the true hub rate in the later part of a run.
-fn settled_rms(history: &TimeHistory) -> f64 {
+/// Returns the true hub rate in the later part of a run.
+fn settled_rates(history: &TimeHistory) -> &[f64] {
     let all = history.truth.hub_rate_rad_s();
-    let late = &all[(SETTLE * all.len() as f64) as usize..];
-    (late.iter().map(|rate| rate * rate).sum::<f64>() / late.len().max(1) as f64).sqrt()
+    &all[(SETTLE * all.len() as f64) as usize..]
+}
+
+fn rms(rates: &[f64]) -> f64 {
+    (rates.iter().map(|rate| rate * rate).sum::<f64>() / rates.len().max(1) as f64).sqrt()
 }

@@ -15,7 +15,18 @@ pub struct AdaptResult {
     pub trials: AdaptationTrials,
 }
 
-/// Designs the project's controller and puts its adaptation to the test. The histories of the trials are not kept.
+impl AdaptResult {
+    /// Leaves out the time histories.
+    pub fn leave_histories_out(&mut self) {
+        self.trials.histories.clear();
+        for interval in self.runs.iter_mut().flat_map(|run| &mut run.intervals) {
+            interval.settled_rates_rad_s.clear();
+            interval.default_rates_rad_s.clear();
+        }
+    }
+}
+
+/// Designs the project's controller and puts its adaptation to the test.
 ///
 /// # Errors
 /// Those of model, design, procedure and simulator.
@@ -23,6 +34,6 @@ pub fn study_adaptation(project: &Project, world: &dyn World) -> Result<AdaptRes
     let modelled = build_plant_model(project)?;
     let made = synthesise(project, &modelled, &reduce_plant(project, &modelled)?)?;
     let runs = adapt(project, &modelled, &made)?;
-    let tried = run_trials(project, &modelled, &made, &project_procedure(project, world)?)?;
-    Ok(AdaptResult { runs, trials: AdaptationTrials { histories: Vec::new(), ..tried } })
+    let trials = run_trials(project, &modelled, &made, &project_procedure(project, world)?)?;
+    Ok(AdaptResult { runs, trials })
 }

@@ -16,7 +16,7 @@ use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear_runs};
 use serde::Serialize;
 
-use crate::exchange::{SystemResult, UnitValue};
+use crate::exchange::{RunHistory, RunSignal, SystemResult, UnitValue};
 use crate::tuning::{
     BlockResult, LoopMeasuresResult, MeasuredLoops, TuningGround, WeightsResult, block_results,
     own_procedure, put_in_place, tune_feedback, tuning_ground, weights_result,
@@ -92,6 +92,9 @@ pub struct DesignRow<Reason = DesignFailure> {
     pub rejection: Option<f64>,
     /// Figures of the nonlinear closed loop.
     pub nonlinear: Option<RunFigures>,
+    /// The runs that they were measured on; empty unless they were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub histories: Vec<RunHistory>,
     /// The sampled feedback, from the error to the control: with the plant of the table, the loop of the linear figures.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub systems: Vec<SystemResult>,
@@ -118,6 +121,7 @@ impl DesignRow {
             linear: self.linear,
             rejection: self.rejection,
             nonlinear: self.nonlinear,
+            histories: self.histories,
             systems: self.systems,
             blocks: self.blocks,
             weights: self.weights,
@@ -206,6 +210,8 @@ pub struct RunFigures {
 pub struct ComparisonRequest {
     /// Limits under which the structures are tuned besides those of the own controller.
     pub further: Vec<LoopLimits>,
+    /// Whether the runs are kept that the nonlinear figures are measured on.
+    pub keeps_histories: bool,
 }
 
 /// The band of [`DesignRow::rejection`], rad/s: 0.2 to 2 Hz.
@@ -253,6 +259,7 @@ pub fn design_table(
         plant: sampled_plant(&ground.plants[0], &ground.sampling)?,
         world,
         procedure: own_procedure(project, world)?,
+        keeps_histories: request.keeps_histories,
     };
     let own_name = own_name(&asked);
     let own = builder.row(&own_name, project)?;
@@ -360,6 +367,13 @@ struct RowBuilder<'a> {
     plant: StateSpace,
     world: &'a dyn World,
     procedure: Procedure,
+    keeps_histories: bool,
+}
+
+/// The nonlinear closed loop of a design.
+struct DesignRuns {
+    figures: RunFigures,
+    histories: Vec<RunHistory>,
 }
 
 impl RowBuilder<'_> {
@@ -439,7 +453,7 @@ impl RowBuilder<'_> {
         let linear = on(&self.ground.disturbance)?;
         let rejection = on(&Disturbance::of_band(BAND_RAD_S))?.residual_rad_s;
         let controlled = self.project.plant.controlled_quantity();
-        let nonlinear = run_observed(self.world, PipelineStage::Verify, || self.run(controller))?;
+        let runs = run_observed(self.world, PipelineStage::Verify, || self.run(controller))?;
         let order = match &made.design.joint {
             Some(joint) => joint.controller.order(),
             None => made.design.feedback_controller().order(),
@@ -448,15 +462,19 @@ impl RowBuilder<'_> {
             order,
             linear: Some(LoopMeasuresResult::of(&linear, self.ground.measured_loops(controlled))),
             rejection: Some(rejection),
-            nonlinear: Some(nonlinear),
+            nonlinear: Some(runs.figures),
+            histories: runs.histories,
             systems: vec![SystemResult::of_feedback("feedback", &feedback, controlled)],
             ..blank_row(name, None)
         })
     }
 
-    fn run(&self, controller: &Controller) -> Result<RunFigures, PipelineError> {
+    fn run(&self, controller: &Controller) -> Result<DesignRuns, PipelineError> {
         let mut simulator = Simulator::new(&self.modelled.plant)?;
-        let mut run = |experiment: Experiment| -> Result<[f64; 2], PipelineError> {
+        let controlled = self.project.plant.controlled_quantity();
+        let period_s = controller.sample_period_s();
+        let mut histories = Vec::new();
+        let mut run = |name: &str, experiment: Experiment| -> Result<[f64; 2], PipelineError> {
             let history =
                 nonlinear_runs::run_history(&mut simulator, controller, &self.procedure, experiment)?;
             let history = match experiment {
@@ -467,22 +485,29 @@ impl RowBuilder<'_> {
             let error: Vec<f64> = pairs.map(|(y, r)| y - r).collect();
             let mean = history.control_v().iter().sum::<f64>() / history.control_v().len().max(1) as f64;
             let control: Vec<f64> = history.control_v().iter().map(|u| u - mean).collect();
-            Ok([rms(&error), rms(&control)])
+            let figures = [rms(&error), rms(&control)];
+            if self.keeps_histories {
+                let error = RunSignal::new(controlled.key_of("error"), error);
+                let control = RunSignal::new("control_v", history.control_v());
+                histories.push(RunHistory::new(name, period_s, [error, control]));
+            }
+            Ok(figures)
         };
         let under = |source: Source| Experiment::Disturbance(source, Arrangement::Compensated);
-        let sines = run(under(Source::Both))?;
+        let sines = run("sines", under(Source::Both))?;
         let motion = match self.procedure.road {
-            Some(_) => Some(run(under(Source::Road))?),
+            Some(_) => Some(run("motion", under(Source::Road))?),
             None => None,
         };
-        let controlled = self.project.plant.controlled_quantity();
-        Ok(RunFigures {
-            step: UnitValue::new("step", controlled, run(Experiment::Step)?[0]),
+        let (step, rest) = (run("step", Experiment::Step)?, run("rest", Experiment::Rest)?);
+        let figures = RunFigures {
+            step: UnitValue::new("step", controlled, step[0]),
             sines: UnitValue::new("sines", controlled, sines[0]),
             motion: UnitValue::new("motion", controlled, motion.map(|found| found[0])),
-            rest: UnitValue::new("rest", controlled, run(Experiment::Rest)?[0]),
+            rest: UnitValue::new("rest", controlled, rest[0]),
             control_v: motion.unwrap_or(sines)[1],
-        })
+        };
+        Ok(DesignRuns { figures, histories })
     }
 }
 
@@ -494,6 +519,7 @@ fn blank_row(name: &str, why: Option<DesignFailure>) -> DesignRow {
         linear: None,
         rejection: None,
         nonlinear: None,
+        histories: Vec::new(),
         systems: Vec::new(),
         blocks: Vec::new(),
         weights: None,

@@ -24,6 +24,7 @@ use std::f64::consts::TAU;
 
 use super::fra_points::{MapPoints, ResponseMapPoint, gain_db, pair, phase_deg};
 use super::fra_summary::MapSummary;
+use crate::exchange::{RunHistory, RunSignal};
 use crate::recordings::ColumnRemark;
 use crate::recordings::read::{GapTreatment, ReadRecording, RecordingFile, read_files, recording_controller};
 use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
@@ -110,6 +111,9 @@ pub struct ResponseMap<Remark = String> {
     /// The same numbers in a few.
     #[serde(skip)]
     pub summary: MapSummary,
+    /// The signals of every point over the last two windows, point by point; empty unless they were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub histories: Vec<RunHistory>,
     /// Simulated time of the mechanism, s.
     pub simulated_s: f64,
     /// Remarks that belong to the numbers.
@@ -183,6 +187,7 @@ pub struct Analyser {
     point: OperatingPoint,
     around: LoopUnderTest,
     offset_m: f64,
+    keeps_signals: bool,
     name: String,
     remarks: Vec<MapRemark>,
 }
@@ -221,6 +226,7 @@ impl Analyser {
             point: project.model.operating_point,
             around: plan.around,
             offset_m: plan.offset_m,
+            keeps_signals: false,
             name: modelled.parameters.name.clone(),
             remarks,
         })
@@ -246,6 +252,11 @@ impl Analyser {
         Ok(Self { plant, ..self })
     }
 
+    /// Returns the same instrument, which keeps the signals of every point.
+    pub fn with_signals(self) -> Self {
+        Self { keeps_signals: true, ..self }
+    }
+
     /// Measures every point on the simulated mechanism, in parallel, and returns the measurements, frequency x amplitude.
     ///
     /// # Errors
@@ -259,6 +270,7 @@ impl Analyser {
         let settings = Settings {
             hub_angle_rad: self.point.hub_angle_rad,
             offset_m: self.offset_m,
+            keeps_signals: self.keeps_signals,
             ..Settings::default()
         };
         let done = std::sync::atomic::AtomicUsize::new(0);
@@ -313,6 +325,7 @@ impl Analyser {
             recording: None,
             summary: MapSummary::of(&points, None),
             points,
+            histories: measured.t().iter().filter_map(|one| self.point_history(one)).collect(),
             simulated_s: measured.t().iter().map(|one| one.simulated_s).sum(),
             remarks: self.remarks.clone(),
         })
@@ -353,9 +366,19 @@ impl Analyser {
             recording: Some(recording.name.clone()),
             summary: MapSummary::of(&points, Some(&recording.name)),
             points,
+            histories: Vec::new(),
             simulated_s: 0.0,
             remarks: self.remarks.clone(),
         })
+    }
+
+    /// Returns the signals of a point; `None` if they were not kept.
+    fn point_history(&self, measured: &Measurement) -> Option<RunHistory> {
+        let kept = measured.signals.as_ref()?;
+        let hz = measured.response.frequency_rad_s / TAU;
+        let signals = [("input", &kept.input), ("output", &kept.output)];
+        let signals = signals.map(|(name, samples)| RunSignal::new(name, samples.as_slice()));
+        Some(RunHistory::new(format!("{} at {hz} Hz", measured.amplitude), kept.period_s, signals))
     }
 
     fn point_of(

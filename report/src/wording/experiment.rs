@@ -1,6 +1,6 @@
 //! The plan of an experiment in words and as plain data.
 
-use counterpoise_diagnose::experiment::{DemandShape, ExperimentPlan, PlannedExperiment};
+use counterpoise_diagnose::experiment::{DemandShape, ExperimentPlan, PlannedExperiment, Refit};
 use counterpoise_plot::number::short_number;
 use serde::Serialize;
 
@@ -24,7 +24,7 @@ pub struct ExperimentPlanText {
 }
 
 /// Separation of two machines, in words.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SeparationText {
     /// Index of one machine, from 0.
     pub first: usize,
@@ -34,6 +34,26 @@ pub struct SeparationText {
     pub log_likelihood_ratio: f64,
     /// Probability that the new recording decides between them.
     pub probability: f64,
+    /// The first as true and the second fitted to it, then the other way round: the ratio is the smaller of both.
+    pub refits: [RefitText; 2],
+}
+
+/// The linear fit of a rival to the machine that is true, over the noise. The expected ratio is half of what it leaves of the squared distance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RefitText {
+    /// Squared distance of what both record.
+    pub squared_distance: f64,
+    /// Products of the slopes of the rival's recording with each other.
+    pub slopes: Vec<Vec<f64>>,
+    /// Products of the slopes with the distance.
+    pub slopes_with_distance: Vec<f64>,
+}
+
+impl From<&Refit> for RefitText {
+    fn from(found: &Refit) -> Self {
+        let Refit { squared_distance, slopes, slopes_with_distance } = found.clone();
+        Self { squared_distance, slopes, slopes_with_distance }
+    }
 }
 
 /// Another experiment.
@@ -56,6 +76,7 @@ pub fn describe_plan(plan: &ExperimentPlan) -> ExperimentPlanText {
         second: s.second,
         log_likelihood_ratio: s.log_likelihood_ratio,
         probability: s.probability,
+        refits: s.refits.each_ref().map(RefitText::from),
     });
     let other = |e: &PlannedExperiment| OtherExperiment {
         what: describe_demand(e),

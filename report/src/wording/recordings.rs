@@ -75,9 +75,10 @@ pub fn describe_recorded_map(found: RecordedMap) -> ResponseMap {
 
 /// Returns a map with its remarks in sentences.
 pub fn describe_map(map: ResponseMap<MapRemark>) -> ResponseMap {
-    let ResponseMap { name, around, signals, recording, points, summary, simulated_s, remarks } = map;
+    let ResponseMap { name, around, signals, recording, points, summary, histories, simulated_s, remarks } =
+        map;
     let remarks = remarks.into_iter().map(describe_map_remark).collect();
-    ResponseMap { name, around, signals, recording, points, summary, simulated_s, remarks }
+    ResponseMap { name, around, signals, recording, points, summary, histories, simulated_s, remarks }
 }
 
 fn describe_map_remark(remark: MapRemark) -> String {

@@ -33,6 +33,17 @@ pub enum Test {
     PlatformToHub,
 }
 
+impl Test {
+    /// Returns what is excited.
+    fn input(self, columns: &ReadingColumns) -> &[f64] {
+        match self {
+            Self::Plant => columns.control_v(),
+            Self::ClosedLoop => columns.demand_rad_s(),
+            Self::PlatformToHub => columns.platform_rate_rad_s(),
+        }
+    }
+}
+
 /// The settings of the instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -50,6 +61,8 @@ pub struct Settings {
     pub hub_angle_rad: f64,
     /// Heave per pitch acceleration, m: a mechanism mounted that far in front of the simulator's axis.
     pub offset_m: f64,
+    /// Whether a measurement keeps its signals.
+    pub keeps_signals: bool,
 }
 
 impl Default for Settings {
@@ -63,6 +76,7 @@ impl Default for Settings {
             imperfections: Imperfections::None,
             hub_angle_rad: 0.0,
             offset_m: 0.0,
+            keeps_signals: false,
         }
     }
 }
@@ -89,6 +103,19 @@ pub struct Measurement {
     pub settled: bool,
     /// Simulated time for this point, s, until the mechanism had settled.
     pub simulated_s: f64,
+    /// The signals over the last two windows; `None` unless they were asked for.
+    pub signals: Option<MeasuredSignals>,
+}
+
+/// The signals between which a response is measured, over the last two windows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredSignals {
+    /// Sample period, s.
+    pub period_s: f64,
+    /// What is excited.
+    pub input: Vec<f64>,
+    /// What is measured.
+    pub output: Vec<f64>,
 }
 
 /// Measures one point. The frequency is moved to the nearest one of which whole cycles fill whole samples: by less
@@ -154,6 +181,7 @@ struct TestRun {
     scenario: Scenario,
     simulator: Simulator,
     settled_below: f64,
+    keeps_signals: bool,
     /// The source that acts in place of the controller if there is none.
     holding: Option<ConstantControl>,
 }
@@ -175,7 +203,8 @@ impl TestRun {
         };
         let point = OperatingPoint { hub_angle_rad: settings.hub_angle_rad, platform_angle_rad: 0.0 };
         let holding = (test == Test::Plant).then(|| ConstantControl(plant.equilibrium(&point).control_v));
-        Ok(Self { test, at, window, scenario, simulator, settled_below: settings.settled_below, holding })
+        let &Settings { settled_below, keeps_signals, .. } = settings;
+        Ok(Self { test, at, window, scenario, simulator, settled_below, keeps_signals, holding })
     }
 
     /// Returns the run for an ensemble.
@@ -203,6 +232,11 @@ impl TestRun {
             last_change,
             settled: last_change <= self.settled_below,
             simulated_s: history.len() as f64 * history.sample_period_s,
+            signals: self.keeps_signals.then(|| MeasuredSignals {
+                period_s: history.sample_period_s,
+                input: test.input(&history.readings)[(windows - 2) * window.samples..].to_vec(),
+                output: history.readings.hub_rate_rad_s()[(windows - 2) * window.samples..].to_vec(),
+            }),
         })
     }
 }
@@ -279,11 +313,7 @@ impl Window {
         columns: &ReadingColumns,
         index: usize,
     ) -> Result<MeasuredResponse, Error> {
-        let input = match test {
-            Test::Plant => &columns.control_v(),
-            Test::ClosedLoop => &columns.demand_rad_s(),
-            Test::PlatformToHub => &columns.platform_rate_rad_s(),
-        };
+        let input = test.input(columns);
         let range = index * self.samples..(index + 1) * self.samples;
         self.analyser.response(&input[range.clone()], &columns.hub_rate_rad_s()[range])
     }

@@ -1,11 +1,11 @@
-"""Recomputes the figures that `counterpoise sweep`, `compare`, `adapt`, `claims`, `fra`, `replay`, `diagnose` and `identify` print from their JSON results,
+"""Recomputes the figures that `counterpoise sweep`, `compare`, `adapt`, `claims`, `fra`, `replay`, `diagnose`, `identify` and `experiment` print from their JSON results,
 with what the program writes beside them.
 
-    counterpoise COMMAND PROJECT ... --json=result.json --data data
+    counterpoise COMMAND PROJECT ... --histories --json=result.json
     python tests/peers/results/studies.py result.json [--series data/series] [--samples out/sweep/samples.parquet] [--verify verify.json]
 
-`replay` and `diagnose` need the series that --data writes, `sweep` the mechanisms that --histories adds to its result or the samples of its folder,
-and `fra` the linear loop of the result of `verify` or `design` on the same project. The script fails if a figure differs by more than its
+Without --histories the runs, and the mechanisms of `sweep`, are missing: the series that --data writes and the samples of the sweep's folder serve in
+their place. `fra` needs the linear loop of the result of `verify` or `design` on the same project. The script fails if a figure differs by more than its
 tolerance, and lists the printed figures that these files do not determine, each with the reason.
 """
 
@@ -31,12 +31,43 @@ NORMAL = 1.959963984540054
 # Linear figures that are found in another way.
 LOOP = tuned.LOOP
 RUN = "a run of the simulator, which the result does not contain"
+WITHOUT = "its run is not part of the result without --histories"
+RUNS = ("measured", "before", "after")
+# Harmonics of a signal that are fitted together.
+HARMONICS = 5
+# Log-likelihood ratio from which a recording decides between two machines.
+DECIDES = 18.0
+
+
+def harmonics(samples, step):
+    """Mean and complex amplitudes of the harmonics of a signal by least squares; `step` is the fundamental's angle a sample, rad."""
+    count = min(HARMONICS, max(math.ceil(math.pi / step) - 1, 1))
+    k = np.arange(len(samples))[:, None] * step * np.arange(1, count + 1)[None, :]
+    columns = np.hstack([np.ones((len(samples), 1)), np.cos(k), np.sin(k)])
+    found = np.linalg.lstsq(columns, samples, rcond=None)[0]
+    return found[0], found[1 : count + 1] - 1j * found[count + 1 :]
+
+
+def measured(point, history):
+    """Response, mean, distortion and last change of a point from the signals of its last two windows."""
+    signals, n = [np.array(history[key]) for key in ("input", "output")], len(history["input"]) // 2
+    step = 2.0 * math.pi * point["frequency_hz"] * history["sample_time_s"]
+    windows = [[harmonics(signal[part], step) for signal in signals] for part in (slice(0, n), slice(n, 2 * n))]
+    before, last = (out[1][0] / into[1][0] for into, out in windows)
+    mean, spectrum = windows[1][1]
+    return {
+        "response": last,
+        "mean_rad_s": mean,
+        "distortion": math.sqrt(float(np.sum(np.abs(spectrum[1:]) ** 2))) / abs(spectrum[0]),
+        "last_change": abs(last - before) / abs(last),
+    }
 
 
 def fra(result, files):
     verify = files.get("verify")
     for chart in result["maps"]:
-        for point in chart["points"]:
+        histories = chart.get("histories") or [None] * len(chart["points"])
+        for point, history in zip(chart["points"], histories):
             name = f"{chart['name']}, {point['amplitude']:.4g} at {point['frequency_hz']:.4g} Hz"
             response = complex(*point["response"])
             yield f"gain, {name}", point["gain_db"], 20.0 * math.log10(abs(response)), FORMULA
@@ -47,13 +78,29 @@ def fra(result, files):
                 yield f"linear response, {name}", 1.0, 1.0 + abs(mine - told) / abs(told), LOOP
             elif point.get("linear"):
                 yield f"linear response, {name}", abs(complex(*point["linear"])), "the loop is not part of the result: give that of verify"
-            for key, why in (("response", RUN), ("distortion", RUN), ("mean_rad_s", RUN), ("describing", "a balance with describing functions, whose plants are not in the result")):
-                if point.get(key) is not None:
-                    yield f"{key}, {name}", 0.0, why
+            if point.get("describing") is not None:
+                yield f"describing, {name}", 0.0, "a balance with describing functions, whose plants are not in the result"
+            if history is None:
+                yield f"response, mean and distortion, {name}", 0.0, WITHOUT
+                continue
+            mine = measured(point, history)
+            off = abs(mine["response"] - response) / abs(response)
+            yield f"response, {name}", 1.0, 1.0 + off, SERIES
+            level = abs(response) * point["amplitude"]
+            yield f"mean, {name}", 1.0, 1.0 + abs(mine["mean_rad_s"] - point["mean_rad_s"]) / level, SERIES
+            yield f"distortion, {name}", 1.0 + point["distortion"], 1.0 + mine["distortion"], SERIES
+            yield f"last change, {name}", 1.0 + point["last_change"], 1.0 + mine["last_change"], SERIES
 
 
-def series_of(files, recording):
-    path = files.get("series") and files["series"] / f"{pathlib.Path(recording).stem}.csv"
+def series_of(result, files, recording):
+    """The tracks of a recording, from the result's own histories or from the files of --data."""
+    stem = pathlib.Path(recording).stem
+    own = {one["name"]: one for one in result.get("histories", [])}
+    if own:
+        tracks = {name.removeprefix(f"{stem} "): one for name, one in own.items() if name.startswith(f"{stem} ")}
+        columns = {f"{channel} {run} [": one[run] for channel, one in tracks.items() for run in RUNS if run in one}
+        return {name: np.array([math.nan if value is None else value for value in values]) for name, values in columns.items()}
+    path = files.get("series") and files["series"] / f"{stem}.csv"
     if not path or not path.exists():
         return None
     with open(path, encoding="utf-8") as file:
@@ -72,13 +119,14 @@ def pair(series, channel, when):
 
 def replay(result, files):
     for recording in result["recordings"]:
-        series = series_of(files, recording["file"])
+        series = series_of(result, files, recording["file"])
         for channel, told in recording["channels"].items():
             name = f"{channel}, {recording['file']}"
             both = pair(series, channel, "before")
             if both is None:
-                yield f"RMS error, {name}", told["rms_error"], "its series is not among the files of --data"
-                yield f"variance accounted for, {name}", told["vaf"], "its series is not among the files of --data"
+                why = "what was recorded of the platform, against the motion that the model was given" if series else WITHOUT
+                yield f"RMS error, {name}", told["rms_error"], why
+                yield f"variance accounted for, {name}", told["vaf"], why
             else:
                 error = both[0] - both[1]
                 yield f"RMS error, {name}", told["rms_error"], math.sqrt(float(np.mean(error**2))), SERIES
@@ -101,17 +149,19 @@ def diagnose(result, files):
     if "fit" not in result:
         yield "figures of measured modes", 0.0, "fits of the structure, which the result does not contain"
         return
-    series = sorted(files["series"].glob("*.csv")) if files.get("series") else []
-    series = [path for path in series if path.name != "contents.csv"]
-    one = series_of(files, series[0]) if len(series) == 1 else None
+    names = sorted({one["name"].rpartition(" ")[0] for one in result.get("histories", [])})
+    if not names and files.get("series"):
+        names = [path.stem for path in sorted(files["series"].glob("*.csv")) if path.name != "contents.csv"]
+    series = [series_of(result, files, name) for name in names]
     for when in ("before", "after"):
         for channel, told in (result["fit"][when] or {}).items():
-            both = pair(one, channel, when)
+            pairs = [both for both in (pair(one, channel, when) for one in series) if both]
             name = f"RMS error {when}, {channel}"
-            if both is None:
-                yield name, told["rms_error"], "more recordings than one share the figure, or there is no series"
+            if pairs:
+                errors = np.concatenate([measured - given for measured, given in pairs])
+                yield f"{name}, by the series' own runs", told["rms_error"], root_mean_square(errors), ANOTHER_RUN
             else:
-                yield f"{name}, by the series' own run", told["rms_error"], math.sqrt(float(np.mean((both[0] - both[1]) ** 2))), ANOTHER_RUN
+                yield name, told["rms_error"], WITHOUT
             yield f"floor, {channel}", told["floor"], "noise, resolution and rounding of the project's sensors, which the result does not contain"
         for channel, told in (result["fit"][f"held_out_{when}"] or {}).items():
             yield f"RMS error held out {when}, {channel}", told["rms_error"], "runs of the parts that were held out, with starts of their own"
@@ -199,25 +249,50 @@ def identify(result, _):
         yield "share of noise", result["noise_share"], share, REGRESSION
 
 
+def root_mean_square(values):
+    return math.sqrt(float(np.mean(np.square(values))))
+
+
 def adapt(result, _):
-    """Hub rates over that of run a between the same times: runs that share an interval must tell of the same rate of run a."""
-    factors, first = {}, result["runs"][0]["intervals"][0]
+    """Hub rates from the rates of their runs, and over those of run a between the same times."""
+    first = result["runs"][0]["intervals"][0]
     for run in result["runs"]:
         for interval in run["intervals"]:
-            ends = tuple(interval["from_to_s"])
-            name = f"run {run['letter']} from {ends[0]:.4g} s"
-            if run["letter"] == "a":
-                yield f"hub rate over that of run a, {name}", interval["over_default"], 1.0, FORMULA
-                factors[ends] = interval["hub_rms_rad_s"]
-            elif ends in factors:
-                yield f"hub rate over that of run a, {name}", interval["over_default"], interval["hub_rms_rad_s"] / factors[ends], FORMULA
+            name = f"run {run['letter']} from {interval['from_to_s'][0]:.4g} s"
+            own, default = (interval.get(f"{which}_hub_rate_rad_s") for which in ("settled", "default"))
+            if own:
+                rms = root_mean_square(own)
+                yield f"hub rate, {name}", interval["hub_rms_rad_s"], rms, SERIES
+                yield f"hub rate over that of run a, {name}", interval["over_default"], rms / root_mean_square(default), SERIES
             else:
-                factors[ends] = interval["hub_rms_rad_s"] / interval["over_default"]
-                yield f"hub rate over that of run a, {name}", interval["over_default"], "the hub rate of run a between these times is told by no other number"
+                yield f"hub rate and its ratio to that of run a, {name}", interval["hub_rms_rad_s"], WITHOUT
             yield f"out-of-balance, {name}", interval["out_of_balance_kg_m"], interval["factor"] * first["out_of_balance_kg_m"], FORMULA
-            yield f"hub rate, {name}", interval["hub_rms_rad_s"], RUN
-            yield f"out-of-balance in use, {name}", interval["used_kg_m"], RUN
+            yield f"out-of-balance in use, {name}", interval["used_kg_m"], "what the controller holds at the end of the interval"
     yield from trials.rows(result.get("trials"))
+
+
+def experiment(result, _):
+    """Expected log-likelihood ratios from the products of slopes and distances, and what the machines reach from their motions."""
+    weakest = []
+    for one in result["separations"]:
+        name = f"machines {one['first']} and {one['second']}"
+        ratios = []
+        for refit in one["refits"]:
+            right = np.array(refit["slopes_with_distance"])
+            explained = right @ np.linalg.solve(np.array(refit["slopes"]), right) if len(right) else 0.0
+            ratios.append(0.5 * max(refit["squared_distance"] - explained, 0.0))
+        ratio = min(ratios)
+        yield f"log-likelihood ratio, {name}", one["log_likelihood_ratio"], ratio, REGRESSION
+        below = 0.5 * math.erfc(-(ratio - DECIDES) / math.sqrt(2.0 * ratio) / math.sqrt(2.0)) if ratio > 0.0 else 0.0
+        # the program's normal distribution has an error of up to 1e-7
+        yield f"probability, {name}", 1.0 + one["probability"], 1.0 + below, 1e-7
+    motions = result.get("histories", [])
+    for key in ("angle_rad", "rate_rad_s", "current_a"):
+        told = result[f"reached_{key}"]
+        mine = max((float(np.max(np.abs(motion[key]))) for motion in motions), default=None)
+        yield (f"reached {key}", told, WITHOUT) if mine is None else (f"reached {key}", told, mine, FORMULA)
+    for one in result["others"]:
+        yield f"log-likelihood ratio of {one['what']}", one["log_likelihood_ratio"], "another experiment, whose recordings the result does not contain"
 
 
 def quantile(values, share):
@@ -271,6 +346,22 @@ def claims(result, _):
         yield f"finding, {claim['id']}", 0.0, float(mine != claim["finding"]), EXACT
 
 
+def runs_of(row):
+    """Figures of the nonlinear closed loop, from its runs."""
+    runs = {run["name"]: run for run in row.get("histories", [])}
+    for key, value in (row["nonlinear"] or {}).items():
+        if value is None:
+            continue
+        run = runs.get("motion", runs.get("sines")) if key == "control_v" else runs.get(key.partition("_")[0])
+        if run is None:
+            yield f"{key}, {row['name']}", value, WITHOUT
+        elif key == "control_v":
+            yield f"{key}, {row['name']}", value, float(np.std(run["control_v"])), SERIES
+        else:
+            error = next(values for name, values in run.items() if name.startswith("error_"))
+            yield f"{key}, {row['name']}", value, root_mean_square(error), SERIES
+
+
 def compare(result, files):
     for row in result["rows"]:
         if not row["linear"]:
@@ -288,18 +379,16 @@ def compare(result, files):
                 yield f"{key}, {row['name']}", value, "a bound from a convex program, which no controller of the result reaches"
         if mine and row["rejection"] is not None:
             yield f"RMS of S, {row['name']}", row["rejection"], mine["rejection"], LOOP
-        for key, value in (row["nonlinear"] or {}).items():
-            if value is not None:
-                yield f"{key}, {row['name']}", value, RUN
+        yield from runs_of(row)
 
 
-STUDIES = [("maps", fra), ("recordings", replay), ("verdict", diagnose), ("balances", identify), ("runs", adapt), ("claims", claims), ("rows", compare), ("figures", sweep)]
+STUDIES = [("maps", fra), ("separations", experiment), ("recordings", replay), ("verdict", diagnose), ("balances", identify), ("runs", adapt), ("claims", claims), ("rows", compare), ("figures", sweep)]
 
 
 def rows_of(result, files):
     found = [rows for key, rows in STUDIES if key in result]
     if not found:
-        sys.exit("this script recomputes no figure of such a result: it knows sweep, compare, adapt, claims, fra, replay, diagnose and identify")
+        sys.exit("this script recomputes no figure of such a result: it knows sweep, compare, adapt, claims, fra, replay, diagnose, identify and experiment")
     return found[0](result, files)
 
 
