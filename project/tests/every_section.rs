@@ -89,7 +89,10 @@ fn machines() -> Vec<String> {
         rotary(&format!("{gearbox}{motor}{drive}{LIMITS}{gyro}{base}{SPRING}{LOADS}")),
         rotary(&format!("{motor}{voltage}{GAS}")),
         rotary(&format!("{motor}{amplifier}")),
-        rotary(&format!("{belt}{motor}{}", sensor("encoder", "place = \"motor\"\ncounts = 4096\n"))),
+        rotary(&format!(
+            "{belt}{motor}{}",
+            sensor("encoder", "place = \"motor\"\ncounts = 4096\nreads = \"rate\"\n")
+        )),
         rotary(&format!("{harmonic}{motor}{}", sensor("resolver", "place = \"motor\"\n"))),
         rotary(&format!("{yielding}{motor}[plant.friction.pivot]\nviscous = 5.0\n{}", sensor("torque", ""))),
         rotary(&sensor("tachometer", "place = \"load\"\n")),

@@ -93,8 +93,48 @@ struct Chain {
     drift: Option<DriftNoise>,
     /// Errors that free functions give.
     errors: Option<Box<SensorErrors>>,
+    /// What differences the angles, if the readings are differences.
+    difference: Option<AngleDifference>,
     /// Samples between two readings of its own, and the reading that is held between them.
     held: Option<HeldReading>,
+}
+
+/// The angle behind readings that are differences of it: the integral of the rate by the trapezoidal rule from sample to sample.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AngleDifference {
+    period_s: f64,
+    every: usize,
+    sample: usize,
+    /// The rate at the sample before; `None` before the first.
+    rate: Option<f64>,
+    angle: f64,
+    /// The angle as it was read last.
+    last: f64,
+}
+
+impl AngleDifference {
+    /// Returns the differences of a sensor's angles; `None` if its readings are none.
+    pub fn of(sensor: &Sensor, period_s: f64) -> Option<Self> {
+        let every = sensor.samples_between_readings(period_s);
+        let fresh = Self { period_s, every, sample: 0, rate: None, angle: 0.0, last: 0.0 };
+        sensor.is_differenced.then_some(fresh)
+    }
+
+    /// Returns the difference at the next sample, given the rate there and the reading of an angle. Before the first sample the rate was the same.
+    pub fn next(&mut self, rate: f64, read: impl Fn(f64) -> f64) -> f64 {
+        let between_s = self.every as f64 * self.period_s;
+        match self.rate.replace(rate) {
+            Some(before) => self.angle += 0.5 * self.period_s * (before + rate),
+            None => self.last = read(-rate * between_s),
+        }
+        let now = read(self.angle);
+        let difference = (now - self.last) / between_s;
+        if self.sample.is_multiple_of(self.every) {
+            self.last = now;
+        }
+        self.sample += 1;
+        difference
+    }
 }
 
 /// The last reading of a sensor that is slower than the controller.
@@ -135,6 +175,7 @@ impl Chain {
             before: None,
             drift,
             errors: None,
+            difference: AngleDifference::of(sensor, interface.sample_period_s),
             held: (every > 1).then_some(HeldReading { every, sample: 0, reading: 0.0 }),
         }
     }
@@ -160,11 +201,19 @@ impl Chain {
         }
         let (scale, spread, resolution) = (sensor.scale_v_unit, sensor.noise_rms, sensor.resolution);
         let value = self.at_offset(value, at.offset);
-        let mut delayed = self.delay_value(value) + spread * at.noise;
+        let mut delayed = self.delay_value(value);
+        if let Some(difference) = &mut self.difference {
+            let converter = self.converter;
+            let read = |angle| if resolution > 0.0 { converter.quantise(angle, resolution) } else { angle };
+            delayed = difference.next(delayed, read);
+        }
+        delayed += spread * at.noise;
         if let Some(drift) = &mut self.drift {
             delayed += drift.next();
         }
-        let reading = if resolution > 0.0 {
+        let reading = if self.difference.is_some() {
+            delayed
+        } else if resolution > 0.0 {
             self.converter.quantise(delayed, resolution)
         } else {
             self.converter.convert(delayed * scale) / scale

@@ -3,7 +3,7 @@
 
 use crate::common::controller;
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
-use counterpoise_models::{Clock, Drift, Parameters, Plant, reference};
+use counterpoise_models::{Clock, Drift, FeedbackSignal, Parameters, Plant, Sensor, reference};
 use counterpoise_simulate::{Imperfections, PlatformMotion, Scenario, Signal, TimeHistory, run};
 
 const SEED: u64 = 4;
@@ -138,4 +138,36 @@ fn a_gyroscope_drifts_and_an_ideal_world_changes_nothing() {
         h.truth.hub_rate_rad_s()[from..].iter().sum::<f64>() / 500.0
     };
     assert!((last(&drifting) - last(&ideal)).abs() > 2e-4, "the loop follows its drifting gyroscope");
+}
+
+/// The sum of differences telescopes: whatever they are rounded to, no angle is lost, which a rate rounded by itself would lose below half a step.
+#[test]
+fn a_differenced_encoder_loses_no_angle() {
+    for every in [1, 4] {
+        let step = 1e-3;
+        let period_s = 1e-3 * every as f64;
+        let differenced = |p: &mut Parameters| {
+            p.sensors.measured = FeedbackSignal::RelativeRate;
+            p.sensors.hub_gyro =
+                Sensor { resolution: step, own_period_s: period_s, is_differenced: true, ..Sensor::IDEAL };
+        };
+        let found = history(differenced, &moving(4.0));
+        let (angle, platform) = (found.truth.hub_angle_rad(), found.truth.platform_angle_rad());
+        let relative = |k: usize| angle[k] - platform[k];
+        let mut read = 0.0;
+        for (k, rate) in found.readings.hub_rate_rad_s().iter().enumerate().step_by(every) {
+            let counts = rate * period_s / step;
+            assert!(
+                (counts - counts.round()).abs() < 1e-6,
+                "{counts} at {k}: whole steps between two readings"
+            );
+            read += rate * period_s;
+            let moved = relative(k) - relative(0);
+            let off = read - moved;
+            assert!(off.abs() < 2.0 * step, "{off} rad at sample {k}");
+        }
+        let sensor = Sensor { own_period_s: period_s, is_differenced: true, ..Sensor::IDEAL };
+        let late = 0.5 * every as f64 + 0.5 * (every - 1) as f64;
+        assert_eq!(sensor.mean_delay_samples(1e-3), late);
+    }
 }

@@ -76,7 +76,17 @@ fn example(name: &str) -> Machine {
 }
 
 /// Kinds that no example and no starter has.
-const OTHERS: [(&str, &str); 8] = [
+const OTHERS: [(&str, &str); 9] = [
+    (
+        "loop of speed on the encoder of a geared motor",
+        "format = 2
+         plant.inertia = 1.2
+         plant.gearbox = { ratio = 20.0, stiffness = \"20 kN m/rad\" }
+         plant.motor = { inertia = 2e-4, torque_constant = 0.15 }
+         plant.drive = { kind = \"current\", limit = 12.0 }
+         plant.sensors.encoder = { place = \"motor\", counts = 20000, reads = \"rate\" }
+         plant.interface = { sample_period = 1e-3 }",
+    ),
     (
         "five inertias in a chain",
         "format = 2

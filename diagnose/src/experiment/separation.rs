@@ -126,8 +126,8 @@ mod tests {
         let truth = ExpectedSignals { signals: signals(&|t| 3.0 * t), slopes: Vec::new() };
         let line = ExpectedSignals { signals: signals(&|_| 0.0), slopes: vec![signals(&|t| t)] };
         let wave = ExpectedSignals { signals: signals(&|_| 0.0), slopes: vec![signals(&|t| t.sin())] };
-        assert!(expected_ratio(&truth, &line) < 1e-3);
-        assert!(expected_ratio(&truth, &wave) > 1e3);
+        assert!(refit(&truth, &line).expected_ratio() < 1e-3);
+        assert!(refit(&truth, &wave).expected_ratio() > 1e3);
         assert_eq!(separation([0, 1], &truth, &line).probability, 0.0);
     }
 

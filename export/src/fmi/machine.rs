@@ -419,9 +419,15 @@ fn fitted_sensors(plant: &Plant) -> Vec<Sensor> {
 pub(crate) fn sensors(plant: &Plant) -> Vec<String> {
     let line = |s: &Sensor| {
         let own = [frequency(s), s.damping_ratio, s.gain, s.bias, s.g_sensitivity];
-        list(&[&own[..], &[s.delay_s, CONVERTER_RANGE_V / s.scale_v_unit]].concat())
+        list(&[&own[..], &[delay_s(plant, s), CONVERTER_RANGE_V / s.scale_v_unit]].concat())
     };
     fitted_sensors(plant).iter().map(line).collect()
+}
+
+/// The delay of a reading before it is sampled, s; the difference of two angles is late by half of the time between them.
+fn delay_s(plant: &Plant, sensor: &Sensor) -> f64 {
+    let period_s = plant.parameters().interface.sample_period_s;
+    sensor.delay_s + sensor.difference_delay_samples(period_s) * period_s
 }
 
 /// 0 stands for an ideal sensor.
@@ -434,7 +440,7 @@ pub(crate) fn count_delayed_values(plant: &Plant) -> usize {
     let interface = &plant.parameters().interface;
     let late = fitted_sensors(plant)
         .into_iter()
-        .map(|sensor| (sensor.delay_s / interface.sample_period_s).ceil() as usize);
+        .map(|sensor| (delay_s(plant, &sensor) / interface.sample_period_s).ceil() as usize);
     2 + late.fold(interface.output_delay_samples, usize::max)
 }
 

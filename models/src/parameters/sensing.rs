@@ -1,5 +1,7 @@
 //! Sensors, converters and the clock of the digital controller.
 
+use std::f64::consts::SQRT_2;
+
 use counterpoise_lti::{StateSpace, pade};
 
 use crate::tolerance::{NEGLIGIBLE_REST, REST_ORDER};
@@ -140,6 +142,8 @@ pub struct Sensor {
     pub alignment: Alignment,
     /// Time between two readings of its own, s, to whole samples of the controller, which sees the last one in between. 0: a reading each sample.
     pub own_period_s: f64,
+    /// Whether a digital reading of a rate is the difference of two angles over the time between them: `resolution` is then the step of the angle.
+    pub is_differenced: bool,
 }
 
 /// Deviation of a sensor's axis from the nominal one. Every number is 0 for a sensor that is aligned.
@@ -223,9 +227,16 @@ impl Interface {
         converter_step_v(self.input_bits) / sensor.scale_v_unit
     }
 
-    /// Returns the step of a reading in the measured unit: that of a digital sensor, or of the converter that an analogue one passes.
+    /// Returns the step of a reading in the measured unit: that of a digital sensor, or of the converter that an analogue one passes. Of two angles whose
+    /// difference is read it is the step whose rounding has the same RMS as theirs together, sqrt(2) times the step of the angle over the time between them.
     pub fn reading_step(&self, sensor: &Sensor) -> f64 {
-        if sensor.resolution > 0.0 { sensor.resolution } else { self.converter_step(sensor) }
+        match sensor.resolution {
+            resolution if sensor.is_differenced => {
+                SQRT_2 * resolution / sensor.time_between_readings_s(self.sample_period_s)
+            }
+            resolution if resolution > 0.0 => resolution,
+            _ => self.converter_step(sensor),
+        }
     }
 }
 
@@ -286,6 +297,7 @@ impl Sensor {
         drift: Drift::NONE,
         alignment: Alignment::NOMINAL,
         own_period_s: 0.0,
+        is_differenced: false,
     };
 
     /// No sensor: its reading is 0.
@@ -302,14 +314,25 @@ impl Sensor {
         ((self.own_period_s / sample_period_s).round() as usize).max(1)
     }
 
+    /// Returns the time between two of its readings, s.
+    pub fn time_between_readings_s(&self, sample_period_s: f64) -> f64 {
+        self.samples_between_readings(sample_period_s) as f64 * sample_period_s
+    }
+
+    /// Returns by how many samples the difference of two angles is late: it is the mean rate of the time between them.
+    pub fn difference_delay_samples(&self, sample_period_s: f64) -> f64 {
+        if self.is_differenced { 0.5 * self.samples_between_readings(sample_period_s) as f64 } else { 0.0 }
+    }
+
     /// Returns for how long a reading is held beyond a sample, on the average, in samples.
     pub fn mean_hold_samples(&self, sample_period_s: f64) -> f64 {
         0.5 * (self.samples_between_readings(sample_period_s) - 1) as f64
     }
 
-    /// Returns by how many samples its readings are late on the average: its own delay, and that of readings that are held.
+    /// Returns by how many samples its readings are late on the average: its own delay, that of readings that are held, and that of a difference.
     pub fn mean_delay_samples(&self, sample_period_s: f64) -> f64 {
-        self.delay_s / sample_period_s + self.mean_hold_samples(sample_period_s)
+        let held = self.mean_hold_samples(sample_period_s) + self.difference_delay_samples(sample_period_s);
+        self.delay_s / sample_period_s + held
     }
 
     /// Returns that delay as the linear loop takes it.

@@ -11,7 +11,9 @@ use std::f64::consts::FRAC_PI_2;
 
 use counterpoise_lti::poles;
 use counterpoise_models::parameters::Transmission;
-use counterpoise_models::{AmplifierDynamics, AxisKind, FeedbackSignal, IDEAL_CONVERTER_BITS, Parameters};
+use counterpoise_models::{
+    AmplifierDynamics, AxisKind, FeedbackSignal, IDEAL_CONVERTER_BITS, Parameters, Sensor,
+};
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::{Assumption, Project};
 use counterpoise_synth::{DesignPlant, Unknown, UsualPlants, UsualReading};
@@ -175,7 +177,7 @@ impl OpenValues {
     pub fn known_step(&self, plant: &Parameters) -> f64 {
         let sensor = &plant.sensors.hub_gyro;
         if sensor.resolution > 0.0 {
-            return if self.usual_step(plant) > 0.0 { 0.0 } else { sensor.resolution };
+            return if self.usual_step(plant) > 0.0 { 0.0 } else { plant.interface.reading_step(sensor) };
         }
         // The steps of an ideal converter say nothing of the real one.
         match plant.interface.input_bits {
@@ -203,9 +205,10 @@ impl OpenValues {
         let step = |assumption: &Assumption| {
             let [low, high] = assumption.usual?;
             let (_, falls) = STEPS.into_iter().find(|(key, _)| *key == last_part(&assumption.key))?;
-            // The resolution is the step of the load: what is assumed over what is usual.
-            let resolution = plant.sensors.hub_gyro.resolution;
-            Some(if falls { resolution * assumption.value / low } else { high })
+            // What is stated is the step of the load: what is assumed over what is usual.
+            let sensor = &plant.sensors.hub_gyro;
+            let resolution = if falls { sensor.resolution * assumption.value / low } else { high };
+            Some(plant.interface.reading_step(&Sensor { resolution, ..sensor.clone() }))
         };
         self.assumptions.iter().filter_map(step).fold(0.0, f64::max)
     }

@@ -50,7 +50,9 @@ pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut DesignRequest, measured: 
             LoopKind::Current => "must be \"current\" with a current sensor",
         };
         let instead = match synth.loop_kind {
-            LoopKind::Rate => "for a rate loop give [plant.sensors] a tachometer or a hub_gyro in its place",
+            LoopKind::Rate => {
+                "for a loop of rate let the encoder read it: encoder = { reads = \"rate\", ... }; or give [plant.sensors] a tachometer or a hub_gyro in its place"
+            }
             LoopKind::Cascade => {
                 "add [plant.sensors.encoder] or resolver, as in `encoder = { counts = 4096 }`"
             }

@@ -27,7 +27,7 @@ fn section_of_analogue(measured: FeedbackSignal) -> &'static str {
 
 /// Returns the section of the loop's sensor.
 pub(super) fn section_of(sensors: &Sensors) -> &'static str {
-    if sensors.measured.is_position() && sensors.hub_gyro.resolution > 0.0 {
+    if sensors.hub_gyro.resolution > 0.0 {
         return "encoder";
     }
     section_of_analogue(sensors.measured)
@@ -50,6 +50,35 @@ const PLACE: Field = Field::new(
 )
 .or_text("load");
 
+/// What the loop takes from an encoder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shown {
+    Angle,
+    Rate,
+}
+
+impl NamedChoice for Shown {
+    const NAMES: &'static [(&'static str, Self)] = &[("angle", Self::Angle), ("rate", Self::Rate)];
+}
+
+impl Shown {
+    /// Returns the measured quantity at a place.
+    fn at(self, place: Place) -> FeedbackSignal {
+        match (self, place) {
+            (Self::Angle, Place::Load) => FeedbackSignal::HubPosition,
+            (Self::Angle, Place::Motor) => FeedbackSignal::MotorPosition,
+            (Self::Rate, Place::Load) => FeedbackSignal::RelativeRate,
+            (Self::Rate, Place::Motor) => FeedbackSignal::MotorRate,
+        }
+    }
+}
+
+const SHOWS: Field = Field::new(
+    "reads",
+    "what the controller takes from it: the angle, or the rate as the difference of two angles over the time between them, as a loop of speed does",
+)
+.or_text("angle");
+
 /// Keys of a gyroscope that is not stated.
 const OF_GYROSCOPE: [&str; 3] = ["hub_gyro.noise", "hub_gyro.delay", "hub_gyro.natural_frequency"];
 
@@ -65,7 +94,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         v.leave();
         refuse_on_slide(v, axis);
     }
-    let rate = matches!(measured, FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate);
+    let rate = matches!(measured, FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate) && !digital;
     if Words::of(axis, v).enter(
         &TableField::optional("tachometer", "rate relative to the platform, which the loop controls"),
         Presence::from(rate),
@@ -79,13 +108,18 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     }
     let position = measured.is_position();
     for (key, meaning, there) in [
-        ("encoder", "angle relative to the platform in counts, which the loop controls", position && digital),
+        (
+            "encoder",
+            "angle relative to the platform in counts: the loop controls it or, by the difference of two readings, its rate",
+            digital,
+        ),
         ("resolver", "angle relative to the platform, which the loop controls", position && !digital),
     ] {
         if !Words::of(axis, v).enter(&TableField::optional(key, meaning), Presence::from(there)) {
             continue;
         }
-        let mut place = if measured == FeedbackSignal::MotorPosition { Place::Motor } else { Place::Load };
+        let on_motor = matches!(measured, FeedbackSignal::MotorPosition | FeedbackSignal::MotorRate);
+        let mut place = if on_motor { Place::Motor } else { Place::Load };
         choose(v, &PLACE, &mut place);
         if plant.axis == AxisKind::Linear && place == Place::Load && v.has("counts") {
             let allowed = "must be \"motor\" for an encoder with counts a turn";
@@ -93,12 +127,14 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
             v.complain("place", allowed, Some(hint.to_owned()));
             place = Place::Motor;
         }
+        let mut shown = if plant.sensors.hub_gyro.is_differenced { Shown::Rate } else { Shown::Angle };
         if key == "encoder" {
             resolution(v, plant, place);
+            choose(v, &SHOWS, &mut shown);
+            plant.sensors.hub_gyro.is_differenced = shown == Shown::Rate;
         }
-        placed_sensor(v, plant, place, "rad");
-        let positions = [FeedbackSignal::HubPosition, FeedbackSignal::MotorPosition];
-        found += measures(plant, positions[usize::from(place == Place::Motor)], found);
+        placed_sensor(v, plant, place, if shown == Shown::Rate { "rad/s" } else { "rad" });
+        found += measures(plant, shown.at(place), found);
         v.leave();
     }
     found += efforts(&mut Words::of(axis, v), plant, found);

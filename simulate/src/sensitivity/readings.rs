@@ -5,6 +5,7 @@
 
 use super::direction::Family;
 use super::stencil::{MEMBERS, Stencil};
+use crate::sensing::AngleDifference;
 use counterpoise_models::plant::{SensorErrors, SensorRegime};
 use counterpoise_models::{CONVERTER_RANGE_V, LearnedPlace, Parameters, Plant, Sensor};
 
@@ -14,6 +15,8 @@ pub(crate) struct ReadingSlopes {
     sensor: Sensor,
     period_s: f64,
     delay_samples: f64,
+    /// What differences the derivatives if the readings are differences of angles, direction by direction; otherwise empty.
+    differences: Vec<AngleDifference>,
     /// Derivatives of gain, bias, sensitivity to heave, and delay in samples, direction by direction.
     own: Vec<[f64; 4]>,
     /// Errors that free functions give.
@@ -91,6 +94,8 @@ impl ReadingSlopes {
         });
         Some(Self {
             delay_samples: own.delay_s / period_s,
+            differences: AngleDifference::of(&own, period_s)
+                .map_or_else(Vec::new, |one| vec![one; families.len()]),
             own: slopes.collect(),
             varied_errors: families.iter().map(|f| VariedErrors::of(f, errors.as_ref(), place)).collect(),
             errors,
@@ -116,6 +121,12 @@ impl ReadingSlopes {
             .collect();
         let (value, slopes) = self.add_errors(at, value, slopes);
         let (reading, slopes) = self.delay_value(value, slopes);
+        let slopes = match self.differences.is_empty() {
+            true => slopes,
+            false => {
+                self.differences.iter_mut().zip(slopes).map(|(one, slope)| one.next(slope, |it| it)).collect()
+            }
+        };
         let is_at_end =
             self.sensor.resolution <= 0.0 && (reading * self.sensor.scale_v_unit).abs() >= CONVERTER_RANGE_V;
         if self.sample.is_multiple_of(self.sensor.samples_between_readings(self.period_s).max(1)) {

@@ -1,4 +1,4 @@
-"""Five kinds of machine against SciPy: the nonlinear step figures of `counterpoise verify`.
+"""Six kinds of machine against SciPy: the nonlinear step figures of `counterpoise verify`.
 
 The plants are written down here from their project files, as ordinary differential equations; the controller is the
 exported C, compiled; solve_ivp (DOP853) carries the plant from sample to sample. Encoders round as they do.
@@ -111,6 +111,33 @@ def joint(p):
     return slope, [0.0] * 4, passed, passed, 0.0
 
 
+class Differenced:
+    """An encoder whose controller takes the difference of two readings for the rate; before the first sample the rate was the same."""
+
+    def __init__(self, step, period, angle, rate):
+        self.step, self.period, self.angle, self.rate, self.last = step, period, angle, rate, None
+
+    def __call__(self, x):
+        rounded = lambda angle: round(angle / self.step) * self.step
+        last = rounded(self.angle(x) - self.rate(x) * self.period) if self.last is None else self.last
+        self.last = rounded(self.angle(x))
+        return (self.last - last) / self.period
+
+
+def speed(p):
+    """One inertia that a geared motor drives, in terms of the load: [angle, rate]."""
+    m, N = p["motor"], p["gearbox"]["ratio"]
+    J = p["inertia"] + N * N * m["inertia"]
+
+    def slope(_, x, u):
+        # the drive's limit is a current
+        return [x[1], (N * m["torque_constant"] * volts(p, u) - N * N * p["friction"]["motor"]["viscous"] * x[1]) / J]
+
+    step = 2 * math.pi / p["sensors"]["encoder"]["counts"] / N
+    read = Differenced(step, p["interface"]["sample_period"], lambda x: x[0], lambda x: x[1])
+    return slope, [0.0] * 2, read, lambda x: x[1], 0.0
+
+
 def march(plant, code, period, step):
     slope, x, read, true, origin = plant
     state = ctypes.create_string_buffer(4096)
@@ -133,8 +160,8 @@ def figures(y, period, step):
         i = int(np.argmax(y >= level))
         return (i - 1 + (level - y[i - 1]) / (y[i] - y[i - 1])) * period
 
-    if k + 1 == len(y):
-        # the step still creeps at the end: it has no peak, and the error of the last tenth is a figure
+    if k + 1 == len(y) or y[k] < 1.0:
+        # the step still creeps towards its end: it has no peak, and the error of the last tenth is a figure
         error = 100 * (1 - float(np.mean(y[-len(y) // 10 :])))
         return {"overshoot_percent": 0.0, "steady_state_error_percent": error, "rise_time_s": crossing(0.9) - crossing(0.1)}
     a, b, c = y[k - 1], y[k], y[k + 1]
@@ -148,8 +175,8 @@ def figures(y, period, step):
 
 def main(program):
     worst = 0.0
-    for name in ("direct-gimbal", "belt-antenna", "servo-pendulum", "ball-screw", "joint"):
-        folder = pathlib.Path(__file__).parent / name if name == "joint" else ROOT / "examples" / name
+    for name in ("direct-gimbal", "belt-antenna", "servo-pendulum", "ball-screw", "joint", "speed"):
+        folder = pathlib.Path(__file__).parent / name if name in ("joint", "speed") else ROOT / "examples" / name
         project = tomllib.loads((folder / "project.toml").read_text())
         p, period = project["plant"], project["plant"]["interface"]["sample_period"]
         step = project.get("verify", {}).get("step", {}).get("rate", 0.1)
@@ -159,6 +186,7 @@ def main(program):
             "servo-pendulum": lambda: pendulum(p, project["model"]["hub_angle"]),
             "ball-screw": lambda: screw(p),
             "joint": lambda: joint(p),
+            "speed": lambda: speed(p),
         }[name]()
         with tempfile.TemporaryDirectory() as out:
             subprocess.run([program, "design", str(folder), "-o", out], capture_output=True)

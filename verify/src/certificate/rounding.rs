@@ -20,7 +20,7 @@ pub(super) fn reading_noise(subject: &Subject<'_>) -> Result<ReadingNoise, Error
     let is_rate = subject.controlled_quantity().kind == QuantityKind::Rate;
     Ok(ReadingNoise {
         white_rad_s: sensor.white_noise_rms(interface.sample_period_s),
-        step_rad_s: if is_rate { interface.converter_step(sensor) } else { interface.reading_step(sensor) },
+        step_rad_s: interface.reading_step(sensor),
         rounding: if is_rate { 0.0 } else { rounding(subject)? },
     })
 }

@@ -375,11 +375,14 @@ impl Densities {
 /// The noises that a source of sensing has.
 fn noises(source: ErrorSource, p: &Parameters) -> Vec<Noise> {
     let sensors = &p.sensors;
-    let of = |place: usize, sensor: &Sensor| Noise {
-        entry: NoiseEntry::Reading(place),
-        bias: sensor.bias,
-        variance: sensor.noise_rms.powi(2) + sensor.resolution.powi(2) / 12.0,
-        drift: sensor.drift,
+    let of = |place: usize, sensor: &Sensor| {
+        let step = if sensor.resolution > 0.0 { p.interface.reading_step(sensor) } else { 0.0 };
+        Noise {
+            entry: NoiseEntry::Reading(place),
+            bias: sensor.bias,
+            variance: sensor.noise_rms.powi(2) + step.powi(2) / 12.0,
+            drift: sensor.drift,
+        }
     };
     let all = [
         (ErrorSource::HubGyro, 1, Some(&sensors.hub_gyro)),

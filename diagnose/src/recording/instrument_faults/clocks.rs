@@ -59,7 +59,8 @@ fn rate(base: &Parameters, r: &Recording, column: RecorderColumn) -> Option<Vec<
 /// Returns the time by which a column leads the gyroscopes in a sound recording, s.
 fn expected_lead(base: &Parameters, column: RecorderColumn) -> f64 {
     let period_s = base.interface.sample_period_s;
-    let held_s = |s: &Sensor| s.mean_hold_samples(period_s) * period_s;
+    let held_s =
+        |s: &Sensor| (s.mean_hold_samples(period_s) + s.difference_delay_samples(period_s)) * period_s;
     let lag = |s: &Sensor| 2.0 * s.damping_ratio / s.natural_frequency_rad_s + s.delay_s + held_s(s);
     lag(&base.sensors.hub_gyro) - column.sensor(base).map_or(0.0, lag)
 }
