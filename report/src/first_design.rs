@@ -93,8 +93,8 @@ fn sentences(first: &FirstDesignResult) -> Vec<String> {
     if let Some(noise) = describe_usual_noise(first) {
         lines.push(format!("Here {noise}."));
     }
-    if let Some(asked) = first.asked_rad_s.filter(|asked| *asked > first.bandwidth_rad_s) {
-        lines.push(format!("{} rad/s are asked for.", short_number(asked)));
+    if let Some(asked) = first.missed_rad_s() {
+        lines.push(format!("{} rad/s are asked for and cannot be reached.", short_number(asked)));
     }
     lines.push(format!(
         "The margins are {:.1} dB and {:.1} deg, and the largest sensitivity is {:.2}; with every lightly damped mode off by 15 % it is {:.2}.",

@@ -3,6 +3,7 @@
 use counterpoise_pipeline::plant_views::{FrictionLoop, FrictionView, MeshComparison, ModeSet, PlantViews};
 use counterpoise_pipeline::results::ModelResult;
 use counterpoise_pipeline::studies::accuracy::Accuracy;
+use counterpoise_pipeline::studies::model::ModelStudy;
 
 use crate::check::assumptions_section;
 use crate::learned::elements_section;
@@ -14,12 +15,8 @@ use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 /// Returns the report.
-pub fn model_report(
-    result: &ModelResult,
-    views: &PlantViews,
-    accuracy: &[Accuracy],
-    command: &str,
-) -> Report {
+pub fn model_report(study: &ModelStudy, command: &str) -> Report {
+    let (result, views) = (&study.result, &study.views);
     let mut sections: Vec<ReportSection> = Vec::new();
     if !views.modes.is_empty() {
         sections.push(modes_section(&views.modes, command));
@@ -27,8 +24,8 @@ pub fn model_report(
     sections.extend(views.meshes.as_ref().map(|meshes| meshes_section(meshes, command)));
     sections.extend(views.frictions.iter().map(|friction| friction_section(friction, command)));
     sections.extend(elements_section(&views.learned));
-    if !accuracy.is_empty() {
-        sections.push(accuracy_section(accuracy, command));
+    if !result.accuracy.is_empty() {
+        sections.push(accuracy_section(&result.accuracy, command));
     }
     if !result.assumptions.is_empty() {
         sections.push(assumptions_section(&result.assumptions, &result.assumption_effects));

@@ -1,6 +1,6 @@
 //! `counterpoise adapt`: the adaptation put to the test in the nonlinear closed loop.
 
-use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptationInterval, AdaptedIntervals};
+use counterpoise_pipeline::studies::adapt::{AdaptationInterval, AdaptedIntervals};
 use counterpoise_pipeline::studies::adaptation::study_adaptation;
 use counterpoise_project::Purpose;
 use counterpoise_project::resolve::synthesis_options::AdaptationUse;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use clap::Args;
 use counterpoise_report::adaptation::{self, adaptation_report};
 use counterpoise_report::results::AdaptText;
-use counterpoise_report::wording::adaptation::describe_run;
+use counterpoise_report::terminal::adaptation::adaptation_lines;
 
 use crate::exit::{CommandResult, verdict_code};
 use crate::options::{CommandOutputs, WRITTEN};
@@ -47,7 +47,7 @@ pub fn run(options: &AdaptOptions) -> CommandResult {
         output::write_report(path, &options.outputs.results, &page)?;
     }
     if !output::write_result(&options.outputs.results, &AdaptText::from(&result))? {
-        print(runs);
+        output::print_lines(&adaptation_lines(runs));
         adaptation::trial_lines(tried).iter().for_each(|line| say!("{line}"));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
@@ -57,30 +57,4 @@ pub fn run(options: &AdaptOptions) -> CommandResult {
     Ok(verdict_code(
         runs.iter().flat_map(|run| &run.intervals).map(AdaptationInterval::has_returned).chain([!refused]),
     ))
-}
-
-fn print(runs: &[AdaptRun]) {
-    for run in runs {
-        say!("({}) {}", run.kind.letter(), describe_run(run.kind));
-        for interval in &run.intervals {
-            let [from, to] = interval.from_to_s;
-            let verdict = match (interval.adapted, interval.has_returned()) {
-                (true, true) => "holds",
-                (true, false) => "FAILS",
-                (false, _) => "",
-            };
-            say!(
-                "    {from:5.1} to {to:5.1} s: out-of-balance {:7.2} {}, controller uses {:7.2}; {} {:.3} {} RMS, {:.3} of (a)  {verdict}",
-                interval.out_of_balance_kg_m,
-                interval.rate.axis.unit("kg m"),
-                interval.used_kg_m,
-                interval.rate.name(),
-                1e3 * interval.hub_rms_rad_s,
-                interval.rate.milli_unit(),
-                interval.over_default
-            );
-        }
-    }
-    let adapted = AdaptedIntervals::of(runs);
-    say!("{} of {} adapted intervals are within 10 % of run (a)", adapted.returned, adapted.intervals);
 }

@@ -13,14 +13,15 @@ use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_pipeline::studies::fra_summary::MeasuringPace;
 use counterpoise_pipeline::studies::fra_totals::MapTotals;
 use counterpoise_project::{Project, Purpose, StructureChoice};
-use counterpoise_report::fra::{fra_report, map_title, sticking_lines};
+use counterpoise_report::fra::fra_report;
+use counterpoise_report::terminal::response_map::{map_lines, pace_lines};
 use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};
 use counterpoise_simulate::fra::Measurement;
 use ndarray::Array2;
 
 use crate::exit::{CommandResult, ExitStatus};
 use crate::options::{CommandOutputs, WRITTEN};
-use crate::output::{self, say};
+use crate::output;
 use counterpoise_host::clock::Moment;
 use counterpoise_host::projects::{self, ProjectOnDisk};
 use counterpoise_host::stages::ProgressDisplay;
@@ -126,8 +127,8 @@ pub fn run(options: &FraOptions) -> CommandResult {
         output::write_report(path, &options.outputs.results, &page)?;
     }
     if !output::write_list(&options.outputs.results, "maps", &maps)? {
-        maps.iter().for_each(print);
-        tell_speed(&maps, &speed);
+        maps.iter().for_each(|map| output::print_lines(&map_lines(map)));
+        output::print_lines(&pace_lines(&maps, &speed));
     }
     Ok(ExitStatus::SUCCESS)
 }
@@ -202,23 +203,6 @@ fn scaling(
 }
 
 /// The time that a map took, and its fall with the threads.
-fn tell_speed(maps: &[ResponseMap], speed: &[MeasuringPace]) {
-    let MapTotals { points, simulated_s, .. } = MapTotals::of(maps);
-    for pace in speed {
-        let gained = match (speed, pace.speed_up(speed)) {
-            _ if pace.threads == 1 || speed.len() == 1 => String::new(),
-            (_, gained) => format!(", {gained:.2} times as fast as on one"),
-        };
-        let times = pace.times_real_time(simulated_s);
-        let noun = if pace.threads == 1 { "thread" } else { "threads" };
-        say!(
-            "{points} points, {simulated_s:.0} s of motion simulated in {:.2} s: {times:.0} times real time on {} {noun}{gained}",
-            pace.seconds,
-            pace.threads
-        );
-    }
-}
-
 fn map_project_recordings(
     loaded: &ProjectOnDisk,
     plan: &MeasurementPlan,
@@ -271,44 +255,6 @@ fn frequencies(text: &str) -> Result<Vec<f64>> {
         },
         _ => bail!("--frequencies {text}: write a list as 1,2,5 or a range as FROM:TO:COUNT"),
     }
-}
-
-fn print(map: &ResponseMap) {
-    let from = map.recording.as_deref().unwrap_or("simulated");
-    say!("{}: {} ({from})", map.name, map_title(map));
-    say!(
-        "{:>10} {:>10} {:>9} {:>9} {:>11} {:>11} {:>9} {:>11}",
-        map.signals.input_unit,
-        "Hz",
-        "gain dB",
-        "phase deg",
-        "linear dB",
-        "descr. dB",
-        "harmonics",
-        format!("mean {}", map.signals.output_unit)
-    );
-    for p in map.points.iter() {
-        let described = p.describing_gain_db().map_or("-".to_owned(), |gain| format!("{gain:.2}"));
-        let [gain, phase] = match p.sticks() {
-            true => ["sticks".to_owned(), "-".to_owned()],
-            false => [format!("{:.2}", p.gain_db), format!("{:.2}", p.phase_deg)],
-        };
-        say!(
-            "{:10.4} {:10.4} {gain:>9} {phase:>9} {:11.2} {described:>11} {:8.2}% {:11.2e}{}",
-            p.amplitude,
-            p.frequency_hz,
-            p.linear_gain_db(),
-            100.0 * p.distortion,
-            p.mean_rad_s,
-            match (p.settled, &map.recording) {
-                (true, _) => "",
-                (false, None) => "  not settled",
-                (false, Some(_)) => "  not excited",
-            }
-        );
-    }
-    map.remarks.iter().for_each(|remark| say!("note: {remark}"));
-    sticking_lines(map).iter().for_each(|line| say!("note: {line}"));
 }
 
 #[cfg(test)]

@@ -16,16 +16,16 @@ use counterpoise_pipeline::recordings::{ProjectReplayer, ReplayControl, ReplayLe
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_pool::Pool;
 use counterpoise_project::Purpose;
+use counterpoise_report::terminal::replay::replay_lines;
 use counterpoise_report::wording::recordings::{
     describe_other_export, describe_played_back, describe_recordings_error, describe_replay,
-    describe_replay_mode,
 };
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 
 use crate::exit::{CommandResult, ExitStatus};
 use crate::options::{CommandOutputs, WRITTEN};
-use crate::output::{self, say};
+use crate::output;
 
 /// Arguments of `replay`.
 #[derive(Args)]
@@ -103,7 +103,7 @@ pub fn run(options: &ReplayOptions) -> CommandResult {
         Vec::new()
     };
     if !output::write_result(&options.outputs.results, &WithHistories { result: &result, histories })? {
-        print(&shown);
+        output::print_lines(&replay_lines(&shown));
     }
     Ok(ExitStatus::SUCCESS)
 }
@@ -152,17 +152,4 @@ fn tell_missing_demand(missing: &[String]) {
 
 fn recordings_error(error: PipelineError) -> Error {
     Error::msg(describe_recordings_error(&error))
-}
-
-fn print(result: &ReplayResult) {
-    for recording in &result.recordings {
-        say!("{}", recording.file);
-        say!("  followed {}", describe_replay_mode(recording));
-        recording.remarks.iter().for_each(|remark| say!("  {remark}"));
-        say!("  {:<16} {:>12} {:>12} {:>8} {:>10}", "channel", "RMS error", "floor", "ratio", "VAF %");
-        for (name, c) in &recording.channels {
-            let ratio = c.residual_over_floor;
-            say!("  {name:<16} {:12.4e} {:12.4e} {ratio:8.2} {:10.4}", c.rms_error, c.floor, c.vaf);
-        }
-    }
 }

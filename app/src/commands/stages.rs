@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use crate::output::say;
 use clap::Args;
 use counterpoise_pipeline::results::ReduceResult;
 use counterpoise_pipeline::{self as pipeline, PlantModel, ReducedPlant};
 use counterpoise_project::Purpose;
 use counterpoise_report::results::describe_reduction;
+use counterpoise_report::terminal::reduction::reduction_lines;
 
 use crate::exit::{CommandResult, ExitStatus};
 use crate::options::ResultOutput;
@@ -30,15 +30,7 @@ pub fn reduce(options: &StageOptions) -> CommandResult {
     let (_, reduced) = to_reduced(&loaded)?;
     let result = describe_reduction(ReduceResult::from(&reduced));
     if !output::write_result(&options.results, &result)? {
-        say!("order {} -> {}", result.order[0], result.order[1]);
-        if let Some([error, rate]) = result.error {
-            say!("largest error {error:.4e} at {rate:.4} rad/s");
-        }
-        if let Some(bound) = result.bound {
-            say!("bound {bound:.4e}");
-        }
-        result.ranked.iter().enumerate().for_each(|(k, value)| say!("{:4} {value:.4e}", k + 1));
-        result.warnings.iter().for_each(|w| say!("warning: {w}"));
+        output::print_lines(&reduction_lines(&result));
     }
     verdict_ok()
 }

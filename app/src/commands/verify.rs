@@ -15,8 +15,8 @@ use counterpoise_report::adaptation::{describe_action, describe_refusal, trial_s
 use counterpoise_report::results::VerifyText;
 use counterpoise_report::results::verification::VerifiedAxes;
 use counterpoise_report::summary::worse_feedforwards;
+use counterpoise_report::terminal::changes::change_lines;
 use counterpoise_report::terminal::verdicts::verdict_lines;
-use counterpoise_report::wording::figures::{describe_figure, format_figure};
 use counterpoise_report::{
     Report, ReportOrigin, VerificationContext, advice, certificate, difference, error_budget,
     of_verification, robustness, two_axes,
@@ -263,23 +263,6 @@ fn print_changes(options: &VerifyOptions, changed: &[FigureChange]) -> Result<()
     if output::write_list(&options.results, "changes", &rows)? {
         return Ok(());
     }
-    let judged = changed.iter().filter(|change| change.holds.is_some() || change.held.is_some());
-    let shown: Vec<&FigureChange> = judged.collect();
-    for change in &shown {
-        let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), format_figure);
-        say!(
-            "  {:15} {}: {} -> {} {} ({})",
-            difference::classify_change(change).1,
-            describe_figure(change.figure, change.controlled),
-            text(change.before),
-            text(change.after),
-            change.unit(),
-            difference::describe_size(change)
-        );
-    }
-    let others = changed.iter().filter(|change| difference::has_changed(change)).count();
-    let turned = changed.iter().filter(|change| change.has_changed_verdict()).count();
-    let word = if turned == 1 { "verdict" } else { "verdicts" };
-    say!("{turned} {word} turned; {others} of {} figures changed (--report shows all)", changed.len());
+    output::print_lines(&change_lines(changed));
     Ok(())
 }

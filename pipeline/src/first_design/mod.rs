@@ -472,6 +472,12 @@ impl LimitRow {
 }
 
 impl FirstDesignResult {
+    /// Returns the bandwidth that was asked for, if it is missed by more than rounding.
+    pub fn missed_rad_s(&self) -> Option<f64> {
+        let is_met = self.limited_by.contains(&LimitKind::Asked);
+        self.asked_rad_s.filter(|asked| !is_met && *asked > self.bandwidth_rad_s)
+    }
+
     /// Returns the bandwidth without a limit over that which was reached; `None` if lifting the limit alone raises nothing.
     pub fn gain_of_lifting(&self, limit: &LimitRow) -> Option<f64> {
         Some(limit.lifted_rad_s? / self.bandwidth_rad_s)
@@ -522,11 +528,4 @@ impl From<&FirstDesign> for FirstDesignResult {
             left_out: first.left_out.clone(),
         }
     }
-}
-
-/// Returns whether the bandwidth that was asked for is not reached, by more than rounding.
-pub fn falls_short(first: &FirstDesign) -> bool {
-    let found = &first.bandwidth;
-    !found.limited_by.contains(&LimitKind::Asked)
-        && found.asked_rad_s.is_some_and(|asked| asked > found.bandwidth_rad_s)
 }

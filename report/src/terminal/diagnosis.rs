@@ -1,17 +1,23 @@
 //! What `counterpoise diagnose` prints of an answer: the verdict with its findings, and what it means for the project's design.
 
-use counterpoise_diagnose::findings::answer::{DiagnosisVerdict, Hypothesis};
+use counterpoise_diagnose::findings::answer::{DiagnosisVerdict, FitTable, Hypothesis};
+use counterpoise_diagnose::findings::channel_fits::PooledFits;
 use counterpoise_pipeline::RedesignComparison;
+use counterpoise_recordings::Channel;
 use counterpoise_verify::Verification;
 
 use super::add_line;
 use crate::difference;
-use crate::wording::answer::{AnswerText, FindingText, component_list, describe_verdict, unit_suffix};
+use crate::wording::answer::{
+    AnswerText, FindingText, component_list, describe_verdict, describe_warning, unit_suffix,
+};
 use crate::wording::figures::describe_figure;
+use crate::wording::held_out_recordings::HeldOutText;
 use crate::wording::learned::LearnedText;
 
-/// Returns the lines on an answer: remarks on the recordings, what the sensors show, the verdict, and what was found.
-pub fn answer_lines(answer: &AnswerText) -> Vec<String> {
+/// Returns the lines on an answer: remarks on the recordings, what the sensors show, the verdict, what was found, and how well it fits. `label`
+/// gives a channel's name in the words of the machine.
+pub fn answer_lines(answer: &AnswerText, label: impl Fn(Channel) -> &'static str) -> Vec<String> {
     let mut all = Vec::new();
     let lines = &mut all;
     if !answer.qualification.is_empty() {
@@ -31,7 +37,75 @@ pub fn answer_lines(answer: &AnswerText) -> Vec<String> {
     answer.findings.iter().for_each(|finding| add_finding(lines, finding));
     answer.learned.iter().for_each(|learned| add_learned(lines, learned));
     add_candidates(lines, answer);
+    add_fit(lines, &answer.fit, label);
+    if let Some(next) = &answer.next_experiment {
+        add_line!(lines, "next experiment: {}; it {}", next.what, next.why);
+    }
+    answer.warnings.iter().for_each(|warning| add_line!(lines, "note: {}", describe_warning(*warning)));
     all
+}
+
+/// Returns the lines on recordings that the diagnosis was not given; none if there are none. `label` gives a channel's name in the words of the machine.
+pub fn held_out_lines<'n>(recordings: &'n [HeldOutText], label: impl Fn(&'n str) -> &'n str) -> Vec<String> {
+    let mut all = Vec::new();
+    let lines = &mut all;
+    if recordings.is_empty() {
+        return all;
+    }
+    add_line!(
+        lines,
+        "recordings that the diagnosis was not given, replayed by the model as it was and by the improved one:"
+    );
+    for recording in recordings {
+        add_line!(lines, "  {}", recording.file);
+        add_line!(
+            lines,
+            "    {:<14} {:>12} {:>12} {:>12} {:>16}",
+            "channel",
+            "floor",
+            "before",
+            "after",
+            "after / floor"
+        );
+        for (name, c) in &recording.channels {
+            let (name, ratio) = (label(name), c.after_over_floor);
+            add_line!(
+                lines,
+                "    {name:<14} {:12.4e} {:12.4e} {:12.4e} {ratio:16.2}",
+                c.floor,
+                c.before,
+                c.after
+            );
+        }
+        recording.remarks.iter().for_each(|remark| add_line!(lines, "    {remark}"));
+    }
+    all
+}
+
+fn add_fit(lines: &mut Vec<String>, fit: &FitTable, label: impl Fn(Channel) -> &'static str) {
+    add_line!(
+        lines,
+        "  {:<14} {:>12} {:>12} {:>12} {:>16} {:>16}",
+        "channel",
+        "floor",
+        "before",
+        "after",
+        "held out before",
+        "held out after"
+    );
+    for (channel, before) in fit.before.iter() {
+        let number = |table: &PooledFits| table.get(channel).map_or(f64::NAN, |c| c.rms_error);
+        add_line!(
+            lines,
+            "  {:<14} {:12.4e} {:12.4e} {:12.4e} {:16.4e} {:16.4e}",
+            label(channel),
+            before.floor,
+            before.rms_error,
+            number(&fit.after),
+            number(&fit.held_out_before),
+            number(&fit.held_out_after)
+        );
+    }
 }
 
 /// Returns the lines on what an improved model means for the project's design.

@@ -1,14 +1,19 @@
-//! What commands print of a result, in lines. Tables of channels, whose heads depend on the machine's signals, and paths of written files are printed
-//! by the command line itself.
+//! What commands print of a result, in lines. The paths of written files are printed by the command line itself.
 //!
-//! Modules in the order of the commands: [`model`], [`synthesis`], [`tuning`], [`search`], [`front`], [`comparison`], [`verdicts`], [`sweep`], [`identification`], [`diagnosis`], [`structure`], [`experiment`].
+//! Modules in the order of the commands: [`model`], [`reduction`], [`first_design`], [`synthesis`], [`tuning`], [`search`], [`front`], [`comparison`], [`verdicts`], [`changes`], [`response_map`], [`adaptation`], [`sweep`], [`identification`], [`replay`], [`diagnosis`], [`structure`], [`experiment`].
 
+pub mod adaptation;
+pub mod changes;
 pub mod comparison;
 pub mod diagnosis;
 pub mod experiment;
+pub mod first_design;
 pub mod front;
 pub mod identification;
 pub mod model;
+pub mod reduction;
+pub mod replay;
+pub mod response_map;
 pub mod search;
 pub mod structure;
 pub mod sweep;

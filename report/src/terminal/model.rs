@@ -1,36 +1,25 @@
 //! What `counterpoise model` prints of a plant.
 
-use counterpoise_models::structure::Truncation;
 use counterpoise_pipeline::PipelineError;
-use counterpoise_pipeline::plant_views::{MeshColumn, MeshComparison, ModeSet, PlantViews};
+use counterpoise_pipeline::plant_views::{MeshColumn, MeshComparison, ModeSet};
 use counterpoise_pipeline::results::ModelResult;
+use counterpoise_pipeline::studies::model::ModelStudy;
 
 use super::add_line;
 use crate::check::ranking_lines;
 use crate::wording::errors::describe_pipeline_error;
 
-/// What is printed of a plant beside its result.
-#[derive(Debug, Clone, Copy)]
-pub struct ModelRemarks<'a> {
-    /// Why nothing holds the mechanism; `None` if something does.
-    pub unheld: Option<&'a PipelineError>,
-    /// Why the assumptions are not ranked; `None` if they are.
-    pub unranked: Option<&'a PipelineError>,
-    /// What a condensation of the structure left out; `None` if it left nothing out.
-    pub truncation: Option<Truncation>,
-}
-
 /// Returns the lines on a plant: its figures, its assumptions, and the modes of its structure.
-pub fn model_lines(result: &ModelResult, views: &PlantViews, remarks: ModelRemarks<'_>) -> Vec<String> {
+pub fn model_lines(study: &ModelStudy) -> Vec<String> {
     let mut all = Vec::new();
     let lines = &mut all;
-    add_plant(lines, result, remarks.unheld);
-    add_assumptions(lines, result);
-    if let Some(why) = remarks.unranked {
+    add_plant(lines, &study.result, study.unheld.as_ref());
+    add_assumptions(lines, &study.result);
+    if let Some(why) = &study.unranked {
         let why = describe_pipeline_error(why);
         add_line!(lines, "assumptions are not ranked, because there is no design: {why}");
     }
-    if let Some(left_out) = remarks.truncation {
+    if let Some(left_out) = study.truncation {
         add_line!(
             lines,
             "structure condensed to {} balanced states; estimated relative error of what was left out: {:.1e}",
@@ -38,8 +27,8 @@ pub fn model_lines(result: &ModelResult, views: &PlantViews, remarks: ModelRemar
             left_out.estimated_error
         );
     }
-    add_modes(lines, &views.modes);
-    views.meshes.iter().for_each(|meshes| add_meshes(lines, meshes));
+    add_modes(lines, &study.views.modes);
+    study.views.meshes.iter().for_each(|meshes| add_meshes(lines, meshes));
     all
 }
 
