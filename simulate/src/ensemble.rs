@@ -7,8 +7,8 @@ use crate::Error;
 use crate::engine::present_plant::Sample;
 use crate::engine::stepper::Stepper;
 use crate::history::{ReadingColumns, TimeHistory};
-use crate::lanes::group::LaneGroup;
 pub use crate::lanes::group::Registers;
+use crate::lanes::group::{LaneGroup, LaneShape};
 use crate::lanes::number::LANES;
 use crate::motion::{MotionSample, MotionTrack};
 use crate::run::{HUB_ANGLE, Lap, Simulator};
@@ -56,7 +56,28 @@ pub fn run_ensemble_in(
     registers: Registers,
     variants: &mut [EnsembleRun],
 ) -> Vec<Result<TimeHistory, Error>> {
-    variants.chunks_mut(LANES).flat_map(|few| run_few(registers, few)).collect()
+    let shapes: Vec<Option<LaneShape>> = variants.iter_mut().map(shape_of).collect();
+    let mut found: Vec<Option<Result<TimeHistory, Error>>> = variants.iter().map(|_| None).collect();
+    let mut waiting: Vec<Option<&mut EnsembleRun>> = variants.iter_mut().map(Some).collect();
+    for first in 0..shapes.len() {
+        // those of one shape that are still waiting go together, wherever they stand in the list
+        let alike = (first..shapes.len()).filter(|&k| waiting[k].is_some() && shapes[k] == shapes[first]);
+        let alike: Vec<usize> = match (&shapes[first], &waiting[first]) {
+            (_, None) => Vec::new(),
+            (None, Some(_)) => vec![first],
+            (Some(_), Some(_)) => alike.take(LANES).collect(),
+        };
+        let mut few: Vec<&mut EnsembleRun> = alike.iter().filter_map(|&k| waiting[k].take()).collect();
+        for (k, result) in alike.into_iter().zip(run_few(registers, &mut few)) {
+            found[k] = Some(result);
+        }
+    }
+    found.into_iter().flatten().collect()
+}
+
+/// Returns the shape of a variant; `None` if it runs alone.
+fn shape_of(variant: &mut EnsembleRun) -> Option<LaneShape> {
+    if can_share(variant) { LaneShape::of(variant.simulator.parts().1) } else { None }
 }
 
 fn run_alone(variant: &mut EnsembleRun) -> Result<TimeHistory, Error> {
@@ -69,20 +90,20 @@ fn run_alone(variant: &mut EnsembleRun) -> Result<TimeHistory, Error> {
     }
 }
 
-/// Runs up to four variants side by side if they are of one shape, and one after the other if not.
-fn run_few(registers: Registers, variants: &mut [EnsembleRun]) -> Vec<Result<TimeHistory, Error>> {
-    let can_share = variants.iter().all(can_share);
-    if !can_share || variants.len() < FEWEST_LANES {
-        return variants.iter_mut().map(run_alone).collect();
+/// Runs up to four variants of one shape side by side.
+fn run_few(registers: Registers, variants: &mut [&mut EnsembleRun]) -> Vec<Result<TimeHistory, Error>> {
+    let alone = |variants: &mut [&mut EnsembleRun]| variants.iter_mut().map(|one| run_alone(one)).collect();
+    if variants.len() < FEWEST_LANES {
+        return alone(variants);
     }
     // lanes without a variant have a plant that stands still
     let mut idle: Vec<Simulator> = (variants.len()..LANES).map(|_| variants[0].simulator.clone()).collect();
     let steppers = variants.iter_mut().map(|variant| variant.simulator.parts().1);
     let steppers = steppers.chain(idle.iter_mut().map(|simulator| simulator.parts().1));
     let group = take_four(steppers).and_then(|mut steppers| LaneGroup::new(&mut steppers, registers));
-    let Some(group) = group else { return variants.iter_mut().map(run_alone).collect() };
+    let Some(group) = group else { return alone(variants) };
     let count = variants.len();
-    let runs = variants.iter_mut().map(Run::new).chain(idle.iter_mut().map(Run::idle_lane));
+    let runs = variants.iter_mut().map(|one| Run::new(one)).chain(idle.iter_mut().map(Run::idle_lane));
     let finished = take_four(runs).map(|runs| run_group(group, runs));
     finished.into_iter().flatten().take(count).collect()
 }

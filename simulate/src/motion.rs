@@ -2,9 +2,10 @@
 
 use crate::engine::moments::NODES;
 use crate::engine::ports::{FurtherPoint, PlatformPoint, PlatformSpan};
-use crate::signal::{Signal, Sine};
+use crate::signal::{Signal, SignalCourse, Sine};
 use crate::tolerance::{ROTOR_SAMPLES, SLOW_SINE_RAD};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Motion of the platform. Rates and accelerations are inertial; heave is the pivot's upward acceleration without gravity.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,11 +71,36 @@ impl PlatformMotion {
         }
     }
 
+    /// Returns the same motion with its courses over so many samples of a length computed: for many runs on one platform.
+    pub(crate) fn with_courses(self, period_s: f64, samples: usize) -> Self {
+        let course = |signal| with_course(signal, period_s, samples);
+        Self {
+            pitch_rate_rad_s: course(self.pitch_rate_rad_s),
+            heave_m_s2: course(self.heave_m_s2),
+            further: self.further.map(|further| FurtherMotion {
+                surge_m_s2: course(further.surge_m_s2),
+                roll_rate_rad_s: course(further.roll_rate_rad_s),
+                yaw_rate_rad_s: course(further.yaw_rate_rad_s),
+            }),
+            ..self
+        }
+    }
+
     /// Returns the motion over the sample that starts at `start_s`, with the angle there.
     #[cfg(test)]
     pub(crate) fn sample(&self, start_s: f64, period_s: f64, angle_rad: f64) -> MotionSample {
         MotionTrack::new(self, period_s, start_s).sample(angle_rad)
     }
+}
+
+/// Returns a signal that is made of samples with its course over so many samples of a length; another one as it is.
+fn with_course(signal: Signal, period_s: f64, samples: usize) -> Signal {
+    if !matches!(signal, Signal::Samples { .. }) {
+        return signal;
+    }
+    let mut followed = SignalFollower::new(&signal, period_s);
+    let quartics = (0..samples).map(|k| followed.next(k, k as f64 * period_s, period_s)).collect();
+    Signal::WithCourse(Arc::new(SignalCourse::new(signal, period_s, quartics)))
 }
 
 /// A platform motion sample by sample.
@@ -92,7 +118,11 @@ pub(crate) struct MotionTrack<'a> {
 impl<'a> MotionTrack<'a> {
     /// Returns the track from a time on.
     pub fn new(platform: &'a PlatformMotion, period_s: f64, first_s: f64) -> Self {
-        let follow = |signal: &'a Signal| SignalFollower::new(signal, period_s);
+        // a course begins at the first sample
+        let follow = |signal: &'a Signal| match first_s == 0.0 {
+            true => SignalFollower::new(signal, period_s),
+            false => SignalFollower::new(signal.without_course(), period_s),
+        };
         Self {
             period_s,
             first_s,
@@ -128,6 +158,8 @@ impl<'a> MotionTrack<'a> {
 pub(crate) enum SignalFollower<'a> {
     Constant(f64),
     Sines(Vec<Rotor>),
+    /// The quartics of the first samples, and the signal.
+    Course(&'a [[f64; 5]], &'a Signal),
     Other(&'a Signal),
 }
 
@@ -140,6 +172,10 @@ impl<'a> SignalFollower<'a> {
             {
                 Self::Sines(sines.iter().map(|sine| Rotor::new(*sine, period_s)).collect())
             }
+            Signal::WithCourse(course) => match course.quartics(period_s) {
+                Some(quartics) => Self::Course(quartics, course.signal()),
+                None => Self::new(course.signal(), period_s),
+            },
             other => Self::Other(other),
         }
     }
@@ -159,7 +195,10 @@ impl<'a> SignalFollower<'a> {
                 }
                 from_middle(about)
             }
-            Self::Other(signal) => fit_quartic(signal.at_each(POINTS.map(|s| start_s + s * period_s))),
+            Self::Course(quartics, _) if k < quartics.len() => quartics[k],
+            Self::Course(_, signal) | Self::Other(signal) => {
+                fit_quartic(signal.at_each(POINTS.map(|s| start_s + s * period_s)))
+            }
         }
     }
 }

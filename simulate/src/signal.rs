@@ -3,6 +3,7 @@
 use crate::tolerance::HELD_ROUNDING;
 use std::f64::consts::TAU;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Samples behind the last one of a run that the interpolation of a signal uses: two for the slope at the end of an interval, and one for the
 /// rounding of a time.
@@ -41,6 +42,39 @@ pub enum Signal {
     },
     /// A sum of signals.
     Sum(Vec<Signal>),
+    /// A signal with its course over each sample, which many runs share.
+    WithCourse(Arc<SignalCourse>),
+}
+
+/// A signal with the polynomials by which the integrator follows it, sample by sample: computed once for many runs.
+#[derive(Debug)]
+pub struct SignalCourse {
+    signal: Signal,
+    period_s: f64,
+    quartics: Vec<[f64; 5]>,
+}
+
+impl PartialEq for SignalCourse {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other) || (self.period_s == other.period_s && self.signal == other.signal)
+    }
+}
+
+impl SignalCourse {
+    /// Returns a signal with its quartics in the fraction of each sample, from the first on.
+    pub(crate) fn new(signal: Signal, period_s: f64, quartics: Vec<[f64; 5]>) -> Self {
+        Self { signal, period_s, quartics }
+    }
+
+    /// Returns the signal itself.
+    pub(crate) fn signal(&self) -> &Signal {
+        &self.signal
+    }
+
+    /// Returns the quartics over samples of a length; `None` if they were computed for another.
+    pub(crate) fn quartics(&self, period_s: f64) -> Option<&[[f64; 5]]> {
+        (self.period_s == period_s).then_some(&self.quartics)
+    }
 }
 
 /// A sine of a [`Signal::Sines`].
@@ -81,6 +115,7 @@ impl Signal {
             Self::Samples { period_s, values } => smooth(values, time_s / period_s),
             Self::Held { period_s, values } => hold_value(values, time_s / period_s),
             Self::Sum(parts) => parts.iter().map(|part| part.at(time_s)).sum(),
+            Self::WithCourse(course) => course.signal.at(time_s),
         }
     }
 
@@ -107,7 +142,16 @@ impl Signal {
                 let start = samples.start.min(end.saturating_sub(1));
                 Self::Samples { period_s: *period_s, values: values[start..end].to_vec() }
             }
+            Self::WithCourse(course) if samples.start > 0 => course.signal.part(samples),
             other => other.clone(),
+        }
+    }
+
+    /// Returns the signal without a course that was computed before.
+    pub(crate) fn without_course(&self) -> &Self {
+        match self {
+            Self::WithCourse(course) => &course.signal,
+            other => other,
         }
     }
 
@@ -120,6 +164,7 @@ impl Signal {
             Self::Triangle { amplitude, .. } => *amplitude == 0.0,
             Self::Samples { values, .. } | Self::Held { values, .. } => values.iter().all(|&v| v == 0.0),
             Self::Sum(parts) => parts.iter().all(Self::is_zero),
+            Self::WithCourse(course) => course.signal.is_zero(),
         }
     }
 }

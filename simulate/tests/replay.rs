@@ -9,7 +9,9 @@ use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{FeedbackSignal, MapPoint, Parameters, Plant, Ripple, reference};
 use counterpoise_recordings::Channel;
 use counterpoise_simulate::replay::COMPARED;
-use counterpoise_simulate::replay::{ReplayMode, ReplayVariant, Replayer, SelectedReplay};
+use counterpoise_simulate::replay::{
+    ReplayMode, ReplayRequest, ReplayVariant, Replayer, SelectedReplay, replay_each,
+};
 use counterpoise_simulate::{Detail, Imperfections, Replay, ReplayLoop, Scenario, Signal, Simulator, replay};
 
 /// RMS error over floor that counts as a fit.
@@ -218,7 +220,12 @@ fn variants_replayed_side_by_side_leave_the_same_bytes_as_each_alone() {
             let steps = |k: usize| (k > 2).then(|| std::array::from_fn(|j| if j == k { 1.0 } else { 0.0 }));
             let variant = |(k, parameters)| ReplayVariant { parameters, start: &start, steps: steps(k) };
             let variants: Vec<ReplayVariant> = mechanisms.iter().enumerate().map(variant).collect();
-            let together = replayer.replay_variants(&control, &variants);
+            let request = |variant: &ReplayVariant| ReplayRequest {
+                replayer: &replayer,
+                control: &control,
+                variant: *variant,
+            };
+            let together = replay_each(&variants.iter().map(request).collect::<Vec<_>>());
             for (variant, together) in variants.iter().zip(together) {
                 let alone = match &variant.steps {
                     None => replayer.replay_from(variant.parameters, &control, &start),

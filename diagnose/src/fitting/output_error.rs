@@ -11,7 +11,7 @@ use crate::fitting::normal_equations::{LinearisedCost, damped_step, long_run, st
 use crate::library::{Effect, EffectParameter, ParameterMapping, learned_element, value_rows};
 use crate::recording::series::dot;
 use crate::simulator_access::{
-    Assessment, ChannelResidual, MechanismVariant, SimulatorAccess, Span, StartShift,
+    Assessment, ChannelResidual, MechanismVariant, PlacedVariant, SimulatorAccess, Span, StartShift,
 };
 use crate::tolerance::fitting::{INDISTINCT_SHARE, LEAST_DAMPING};
 use crate::tolerance::{
@@ -24,7 +24,7 @@ use counterpoise_pool::{Pool, map};
 const START_ANGLE: usize = 0;
 
 /// A variant of the machine in one recording of the selection.
-struct PlacedVariant {
+struct SelectedVariant {
     /// Place of the recording in the selection.
     place: usize,
     variant: MechanismVariant,
@@ -281,45 +281,38 @@ impl Problem<'_> {
         let values: Vec<f64> =
             parameters_of(&self.effects).iter().zip(x).map(|(k, &v)| from_variable(k, v)).collect();
         let parameters = apply_effects(self.base, &self.effects, &values);
-        let of_recordings = (0..near.len()).map(|k| self.one(&parameters, k, &near[k], &shifts[k]));
-        let mut all = of_recordings.collect::<Option<Vec<_>>>()?;
+        let selected = shifts.iter().enumerate().map(|(place, shift)| SelectedVariant {
+            place,
+            variant: MechanismVariant { parameters: parameters.clone(), shift: *shift },
+        });
+        let found = self.residuals_of(&selected.collect::<Vec<_>>(), near);
+        let mut all = found.into_iter().collect::<Option<Vec<_>>>()?;
         if !self.preferences.is_empty() {
             all.push(self.preferences.iter().map(|preference| preference.shortfall(&values)).collect());
         }
         Some(all)
     }
 
-    /// Returns the weighted residuals of one recording of the selection.
-    fn one(
-        &self,
-        parameters: &Parameters,
-        place: usize,
-        near: &Assessment,
-        shift: &StartShift,
-    ) -> Option<Vec<f64>> {
-        let (index, span) = (self.selection.recordings[place], self.selection.span);
-        let variant = MechanismVariant { parameters: parameters.clone(), shift: *shift };
-        weight_residuals(&self.simulator.residuals_of(&variant, index, span, near)?, near)
-    }
-
-    /// Returns the weighted residuals of variants, each in one recording of the selection, side by side where neighbours are in the same
-    /// one; `None` for those that cannot be simulated, and for all from the first that was not tried because the user asked to stop.
-    fn of_variants(&self, variants: &[PlacedVariant], near: &[Assessment]) -> Vec<Option<Vec<f64>>> {
-        let together: Vec<&[PlacedVariant]> =
-            variants.chunk_by(|a, b| a.place == b.place).flat_map(|same| same.chunks(SIDE_BY_SIDE)).collect();
-        let done = map(self.pool, together.len(), |k| {
-            let place = together[k][0].place;
-            let few: Vec<MechanismVariant> = together[k].iter().map(|one| one.variant.clone()).collect();
-            let (index, span) = (self.selection.recordings[place], self.selection.span);
-            let found = self.simulator.residuals_of_variants(&few, index, span, &near[place]);
-            found
-                .iter()
-                .map(|channels| weight_residuals(channels.as_ref()?, &near[place]))
-                .collect::<Vec<_>>()
-        });
+    /// Returns the weighted residuals of variants, each in one recording of the selection, side by side; `None` for those that cannot be
+    /// simulated, and for all from the first that was not tried because the user asked to stop.
+    fn of_variants(&self, variants: &[SelectedVariant], near: &[Assessment]) -> Vec<Option<Vec<f64>>> {
+        let together: Vec<&[SelectedVariant]> = variants.chunks(SIDE_BY_SIDE).collect();
+        let done = map(self.pool, together.len(), |k| self.residuals_of(together[k], near));
         let mut all: Vec<Option<Vec<f64>>> = done.into_iter().flatten().collect();
         all.resize(variants.len(), None);
         all
+    }
+
+    /// Returns the weighted residuals of a few variants.
+    fn residuals_of(&self, few: &[SelectedVariant], near: &[Assessment]) -> Vec<Option<Vec<f64>>> {
+        let placed = few.iter().map(|one| PlacedVariant {
+            variant: one.variant.clone(),
+            index: self.selection.recordings[one.place],
+            near: &near[one.place],
+        });
+        let placed: Vec<PlacedVariant> = placed.collect();
+        let found = self.simulator.residuals_of_each(&placed, self.selection.span);
+        found.into_iter().zip(&placed).map(|(channels, one)| weight_residuals(&channels?, one.near)).collect()
     }
 
     /// Returns whether the angle at the start of a recording stays where it is: nothing measures it, and a free function of the angle could
@@ -347,9 +340,9 @@ impl Problem<'_> {
             let moved = |&(place, freedom): &(usize, usize)| {
                 let mut shift = now.shifts[place];
                 shift[freedom] += by;
-                PlacedVariant { place, variant: MechanismVariant { parameters: parameters.clone(), shift } }
+                SelectedVariant { place, variant: MechanismVariant { parameters: parameters.clone(), shift } }
             };
-            let moved: Vec<PlacedVariant> = wanted.iter().map(moved).collect();
+            let moved: Vec<SelectedVariant> = wanted.iter().map(moved).collect();
             for ((place, freedom), there) in wanted.iter().zip(self.of_variants(&moved, near)) {
                 let pairs = there.iter().flatten().zip(&now.residual[*place]);
                 let change: Vec<f64> = pairs.map(|(a, b)| (a - b) / by).collect();
@@ -412,10 +405,10 @@ impl Problem<'_> {
             (0..free.len()).map(|j| apply_effects(self.base, &self.effects, &values(j))).collect();
         let places =
             (0..near.len()).flat_map(|place| moved.iter().map(move |parameters| (place, parameters)));
-        let variants: Vec<PlacedVariant> = places
+        let variants: Vec<SelectedVariant> = places
             .map(|(place, parameters)| {
                 let variant = MechanismVariant { parameters: parameters.clone(), shift: now.shifts[place] };
-                PlacedVariant { place, variant }
+                SelectedVariant { place, variant }
             })
             .collect();
         let there = self.of_variants(&variants, near);

@@ -2,8 +2,8 @@
 //! the model as it is does not describe it.
 
 use crate::tolerance::selection::{
-    ASSESSED_SCAN_POINTS, CURRENT_LIMIT_SHARES, ORDERS_KEPT, SCAN_POINTS, SCAN_REFINEMENT_POINTS,
-    SCAN_REFINEMENT_SHARE, SCANNED_ORDERS,
+    ASSESSED_SCAN_POINTS, CURRENT_LIMIT_SHARES, ORDERS_KEPT, PERTURBATIONS_TOGETHER, SCAN_POINTS,
+    SCAN_REFINEMENT_POINTS, SCAN_REFINEMENT_SHARE, SCANNED_ORDERS,
 };
 use counterpoise_models::Parameters;
 
@@ -14,9 +14,12 @@ use crate::selection::perturbations::{
     Perturbation, perturbation_towards, ripple_perturbation, stall_current_a,
 };
 use crate::selection::signature::{
-    EffectSignature, ScreeningContext, is_close, measure_signature, weight_residuals,
+    EffectSignature, ScreeningContext, SignatureData, is_close, measure_signatures, weight_residuals,
 };
-use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span};
+use crate::simulator_access::{
+    Assessment, ChannelResidual, ControlSource, MechanismVariant, PlacedVariant, SimulatorAccess, Span,
+    StartShift,
+};
 use crate::tolerance::{PERIOD_SEEN, PERIODS_SAMPLED};
 use counterpoise_pool::map;
 
@@ -27,16 +30,28 @@ pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) 
     let parameter = &effect.parameters[0];
     let index = scene.simulator.most_active_recording();
     let near = Assessment { source: ControlSource::Playback, ..scene.judged[index].clone() };
-    let cost = |value: f64| {
-        let channels =
-            scene.simulator.residuals(&effect.apply_to(scene.base, &[value]), index, Span::Head, &near);
-        channels.map_or(f64::INFINITY, |channels| log_excess(&channels))
+    let costs_of = |values: &[f64]| -> Vec<f64> {
+        let placed = values.iter().map(|value| PlacedVariant {
+            variant: MechanismVariant {
+                parameters: effect.apply_to(scene.base, &[*value]),
+                shift: StartShift::default(),
+            },
+            index,
+            near: &near,
+        });
+        let found = scene.simulator.residuals_of_each(&placed.collect::<Vec<_>>(), Span::Head);
+        let cost = |channels: Option<Vec<ChannelResidual>>| {
+            channels.map_or(f64::INFINITY, |channels| log_excess(&channels))
+        };
+        found.into_iter().map(cost).collect()
     };
     let (mut low, mut high) = (range[0], range[1]);
     let mut best = low;
     for count in [SCAN_POINTS, SCAN_REFINEMENT_POINTS, SCAN_REFINEMENT_POINTS] {
         let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
-        let costs = map(scene.pool, count, |k| cost(value(k)));
+        let values: Vec<f64> = (0..count).map(value).collect();
+        let few: Vec<&[f64]> = values.chunks(PERTURBATIONS_TOGETHER).collect();
+        let costs = map(scene.pool, few.len(), |k| costs_of(few[k])).concat();
         let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
         best = value(lowest);
         (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
@@ -134,8 +149,8 @@ pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effe
         .filter(|order| at_pivot || (is_seen(order) && is_sampled(order)))
         .chain(read_orders(scene, effect));
     let scan: Vec<Perturbation> = orders.map(|order| ripple_perturbation(effect, order)).collect();
-    let signatures =
-        map(scene.pool, scan.len(), |t| measure_signature(scene, &here, &scan[t], &one, Span::Head));
+    let data = SignatureData { here: &here, recordings: &one, span: Span::Head };
+    let signatures = measure_signatures(scene, data, &scan, &|_| ());
     let share = |l: &Option<EffectSignature>| l.as_ref().map_or(f64::NEG_INFINITY, |l| l.explained);
     let mut ranked: Vec<(f64, Perturbation)> = signatures.iter().map(share).zip(scan).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));

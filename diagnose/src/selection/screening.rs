@@ -10,7 +10,8 @@ use crate::library::Effect;
 use crate::selection::parameter_scan::{scan_parameter, scan_ripple_orders};
 use crate::selection::perturbations::{Combination, Perturbation, apply_perturbation, perturbations_of};
 use crate::selection::signature::{
-    EffectSignature, ScreeningContext, ScreeningDepth, is_close, measure_signature, weight_residuals,
+    EffectSignature, ScreeningContext, ScreeningDepth, SignatureData, is_close, measure_signatures,
+    weight_residuals,
 };
 use crate::simulator_access::{Assessment, Span};
 use crate::tolerance::selection::STARTS_VISITED;
@@ -34,11 +35,16 @@ pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> 
     let here = weight_residuals(scene.judged);
     let all: Vec<usize> = (0..scene.judged.len()).collect();
     let span = if scene.reach == ScreeningDepth::Full { Span::Whole } else { Span::Head };
-    let found = map_with_progress(scene.pool, "screening", perturbations.len(), |t| {
-        measure_signature(scene, &here, &perturbations[t], &all, span)
-            .map(|signature| MeasuredPerturbation { perturbation: t, signature })
-    });
-    let mut found: Vec<MeasuredPerturbation> = found.into_iter().flatten().collect();
+    let data = SignatureData { here: &here, recordings: &all, span };
+    let count = perturbations.len();
+    let progress = |done: usize| scene.pool.progress("screening", done, count);
+    progress(0);
+    let found = measure_signatures(scene, data, &perturbations, &progress).into_iter().enumerate();
+    let mut found: Vec<MeasuredPerturbation> = found
+        .filter_map(|(perturbation, found)| {
+            found.map(|signature| MeasuredPerturbation { perturbation, signature })
+        })
+        .collect();
     found.sort_by(|a, b| b.signature.explained.total_cmp(&a.signature.explained));
     let mut signatures = visit_signatures(scene, &perturbations, found);
     signatures.sort_by(|a, b| b.explained.total_cmp(&a.explained));

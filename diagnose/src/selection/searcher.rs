@@ -1,6 +1,7 @@
 //! The data that the search works on, with what every step of it needs: fits of effects, and assessments of the recordings.
 
 use counterpoise_models::Parameters;
+use counterpoise_simulate::ensemble::SIDE_BY_SIDE;
 
 use crate::fitting::output_error::{EffectFit, FitSelection, Problem};
 use crate::fitting::score::{Score, assess_recordings, score_parts};
@@ -8,7 +9,7 @@ use crate::library::Effect;
 use crate::selection::candidate::{FittedCandidate, held_out_parts, whole_parts};
 use crate::selection::parameter_scan::ripples_repeat;
 use crate::selection::sizes::Sizes;
-use crate::simulator_access::{Assessment, SimulatorAccess};
+use crate::simulator_access::{Assessment, NearRecording, SimulatorAccess};
 use crate::tolerance::selection::{ROUNDED_ORDER_COST, WHOLE_ORDER};
 use counterpoise_pool::{Pool, map};
 
@@ -36,15 +37,9 @@ impl Searcher<'_> {
         fitted: &[usize],
         before: &[Assessment],
     ) -> Option<FittedCandidate> {
-        let one = |r: usize| match fit.assessment(r) {
-            Some(own) => self.simulator.assess_from(&fit.parameters, r, own),
-            None => self.simulator.assess_near(&fit.parameters, r, &before[r].without_residuals()),
-        };
-        let judged: Vec<Assessment> =
-            map(self.pool, before.len(), one).into_iter().collect::<Option<Vec<Assessment>>>()?;
-        if judged.len() < before.len() {
-            return None;
-        }
+        let judged = self.assess_from_known(&fit.parameters, &|r| fit.assessment(r), &|r| {
+            self.simulator.assess_near(&fit.parameters, r, &before[r].without_residuals())
+        })?;
         self.build_candidate(fit, &judged, fitted, before)
     }
 
@@ -54,12 +49,30 @@ impl Searcher<'_> {
         parameters: &Parameters,
         known: &(dyn Fn(usize) -> Option<&'n Assessment> + Sync),
     ) -> Option<Vec<Assessment>> {
-        let one = |r: usize| match known(r) {
-            Some(own) => self.simulator.assess_from(parameters, r, own),
-            None => self.simulator.assess(parameters, r),
-        };
-        let judged = map(self.pool, self.simulator.count(), one);
-        (judged.len() == self.simulator.count()).then(|| judged.into_iter().collect::<Option<_>>()).flatten()
+        self.assess_from_known(parameters, known, &|r| self.simulator.assess(parameters, r))
+    }
+
+    /// Assesses every recording: those of which an assessment of a similar mechanism is known side by side, and the others one by one.
+    fn assess_from_known<'n>(
+        &self,
+        parameters: &Parameters,
+        known: &(dyn Fn(usize) -> Option<&'n Assessment> + Sync),
+        unknown: &(dyn Fn(usize) -> Option<Assessment> + Sync),
+    ) -> Option<Vec<Assessment>> {
+        let count = self.simulator.count();
+        let near: Vec<NearRecording> =
+            (0..count).filter_map(|index| known(index).map(|near| NearRecording { index, near })).collect();
+        let few: Vec<&[NearRecording]> =
+            near.chunks(near.len().div_ceil(self.pool.processors()).clamp(1, SIDE_BY_SIDE)).collect();
+        let others: Vec<usize> = (0..count).filter(|&index| known(index).is_none()).collect();
+        let judged = map(self.pool, few.len() + others.len(), |k| match few.get(k) {
+            Some(few) => self.simulator.assess_each_from(parameters, few),
+            None => vec![unknown(others[k - few.len()])],
+        });
+        let places = near.iter().map(|one| one.index).chain(others);
+        let mut judged: Vec<(usize, Option<Assessment>)> = places.zip(judged.into_iter().flatten()).collect();
+        judged.sort_by_key(|(place, _)| *place);
+        (judged.len() == count).then(|| judged.into_iter().map(|(_, one)| one).collect()).flatten()
     }
 
     /// Builds a candidate from a fit and its assessments; returns `None` for a ripple that does not repeat.

@@ -3,7 +3,9 @@
 //! The share of the residual that a combination of an effect's signatures explains ranks the effects, and the coefficients of the
 //! combination are where its fit starts.
 
-use crate::tolerance::selection::TRACE_STRIDE;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::tolerance::selection::{PERTURBATIONS_TOGETHER, TRACE_STRIDE};
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 
@@ -14,10 +16,12 @@ use crate::selection::perturbations::{
     Perturbation, apply_perturbation, first_change, start_values, step_limits,
 };
 use crate::selection::sizes::Sizes;
-use crate::simulator_access::{Assessment, ChannelResidual, SimulatorAccess, Span};
+use crate::simulator_access::{
+    Assessment, ChannelResidual, MechanismVariant, PlacedVariant, SimulatorAccess, Span, StartShift,
+};
 use crate::tolerance::EXPLAINED;
 use crate::tolerance::fitting::GRAM_RIDGE;
-use counterpoise_pool::Pool;
+use counterpoise_pool::{Pool, map};
 
 /// The signature of an effect: what it explains of the residual, and where its fit should start.
 #[derive(Debug, Clone)]
@@ -128,6 +132,7 @@ pub(crate) fn thin_weighted(here: &WeightedResiduals, value: impl Fn(usize, usiz
 }
 
 /// Residuals with the weights that make every channel of every recording count equally.
+#[derive(Debug)]
 pub(crate) struct WeightedResiduals {
     pub residuals: Residuals,
     pub weights: Residuals,
@@ -148,31 +153,91 @@ pub(crate) fn weight_residuals(judged: &[Assessment]) -> WeightedResiduals {
     }
 }
 
-/// Computes the signature of one perturbation in some recordings; returns `None` if the mechanism cannot be simulated.
-pub(crate) fn measure_signature(
+/// The data from which signatures are computed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SignatureData<'a> {
+    /// The residuals of the model as it is.
+    pub here: &'a WeightedResiduals,
+    /// The recordings that are replayed.
+    pub recordings: &'a [usize],
+    /// The part of each.
+    pub span: Span,
+}
+
+/// Computes the signatures of perturbations, whose replays run side by side; `None` for one with which the mechanism cannot be simulated. The
+/// perturbations are shared among the processors; `finished` is told how many are done.
+pub(crate) fn measure_signatures(
+    scene: &ScreeningContext,
+    data: SignatureData<'_>,
+    perturbations: &[Perturbation],
+    finished: &(dyn Fn(usize) + Sync),
+) -> Vec<Option<EffectSignature>> {
+    let few: Vec<&[Perturbation]> = perturbations.chunks(PERTURBATIONS_TOGETHER).collect();
+    let done = AtomicUsize::new(0);
+    let found = map(scene.pool, few.len(), |k| {
+        let found = measure_few(scene, data, few[k]);
+        finished(done.fetch_add(found.len(), Ordering::Relaxed) + found.len());
+        found
+    });
+    found.into_iter().flatten().collect()
+}
+
+/// Computes the signatures of a few perturbations.
+fn measure_few(
+    scene: &ScreeningContext,
+    data: SignatureData<'_>,
+    perturbations: &[Perturbation],
+) -> Vec<Option<EffectSignature>> {
+    let moved = perturbations.iter().flat_map(|perturbation| {
+        perturbation
+            .directions
+            .iter()
+            .map(|direction| apply_perturbation(scene.base, perturbation, direction))
+    });
+    let moved: Vec<Parameters> = moved.collect();
+    let mut changed = vec![Some(vec![Vec::new(); scene.judged.len()]); moved.len()];
+    for &index in data.recordings {
+        let near = &scene.judged[index];
+        let variant = |parameters: &Parameters| MechanismVariant {
+            parameters: parameters.clone(),
+            shift: StartShift::default(),
+        };
+        let placed = moved.iter().map(|one| PlacedVariant { variant: variant(one), index, near });
+        let found = scene.simulator.residuals_of_each(&placed.collect::<Vec<_>>(), data.span);
+        for (changed, there) in changed.iter_mut().zip(found) {
+            match (changed.as_mut(), there) {
+                (Some(changed), Some(there)) => changed[index] = changes(&there, &near.channels),
+                _ => *changed = None,
+            }
+        }
+    }
+    let mut changed = changed.into_iter();
+    let of_one = |perturbation: &Perturbation| {
+        let signatures: Vec<Option<Residuals>> =
+            changed.by_ref().take(perturbation.directions.len()).collect();
+        let signatures = signatures.into_iter().collect::<Option<Vec<_>>>()?;
+        make_signature(scene, data.here, perturbation, &signatures)
+    };
+    perturbations.iter().map(of_one).collect()
+}
+
+/// Returns the signature of a perturbation from what each of its directions changes; `None` if that is not finite.
+fn make_signature(
     scene: &ScreeningContext,
     here: &WeightedResiduals,
     perturbation: &Perturbation,
-    recordings: &[usize],
-    span: Span,
+    signatures: &[Residuals],
 ) -> Option<EffectSignature> {
-    let signature = |direction: &Vec<f64>| -> Option<Residuals> {
-        let parameters = apply_perturbation(scene.base, perturbation, direction);
-        let mut out = vec![Vec::new(); scene.judged.len()];
-        for &r in recordings {
-            let there = scene.simulator.residuals(&parameters, r, span, &scene.judged[r])?;
-            out[r] = changes(&there, &scene.judged[r].channels);
-        }
-        out.iter().flatten().all(|d| d.is_finite()).then_some(out)
-    };
-    let signatures: Vec<Residuals> = perturbation.directions.iter().map(signature).collect::<Option<_>>()?;
+    if !signatures.iter().flatten().flatten().all(|d| d.is_finite()) {
+        return None;
+    }
     let limits = step_limits(perturbation, scene.sizes);
-    let (coefficients, explained) = regress(here, &signatures, &limits)?;
+    let (coefficients, explained) = regress(here, signatures, &limits)?;
     let start = start_values(perturbation, &coefficients, limits[0][1]);
     let size = (0..scene.judged.len()).map(|r| rms(&signatures[0][r])).collect();
     let information = signatures[0].iter().flatten().map(|d| d * d).sum();
     let change = first_change(perturbation);
-    let trace = trace(here, &signatures, &coefficients);
+    let trace = trace(here, signatures, &coefficients);
     Some(EffectSignature {
         effect: perturbation.effect,
         start,

@@ -41,6 +41,26 @@ pub struct MechanismVariant {
     pub shift: StartShift,
 }
 
+/// A variant of a mechanism in one of the recordings.
+#[derive(Debug, Clone)]
+pub struct PlacedVariant<'a> {
+    /// The variant.
+    pub variant: MechanismVariant,
+    /// The recording.
+    pub index: usize,
+    /// The assessment of a similar mechanism, from whose initial state the variant starts.
+    pub near: &'a Assessment,
+}
+
+/// A recording with the assessment of a similar mechanism.
+#[derive(Debug, Clone, Copy)]
+pub struct NearRecording<'a> {
+    /// The recording.
+    pub index: usize,
+    /// The assessment.
+    pub near: &'a Assessment,
+}
+
 /// A direction along which residuals are differentiated.
 pub struct VariantDirection<'a> {
     /// Returns the variant at a distance from the one at hand, in units of the direction.
@@ -146,15 +166,9 @@ pub trait SimulatorAccess: Sync {
         let shifted = self.residuals_from_shifted_start(parameters, index, span, near, shift);
         shifted.map(|(channels, _)| channels)
     }
-    /// Returns the residuals of several variants of a mechanism in one recording: the same as of one after the other, but quicker.
-    fn residuals_of_variants(
-        &self,
-        variants: &[MechanismVariant],
-        index: usize,
-        span: Span,
-        near: &Assessment,
-    ) -> Vec<Option<Vec<ChannelResidual>>> {
-        variants.iter().map(|variant| self.residuals_of(variant, index, span, near)).collect()
+    /// Returns the residuals of several variants, each in its recording: the same as of one after the other, but quicker.
+    fn residuals_of_each(&self, placed: &[PlacedVariant], span: Span) -> Vec<Option<Vec<ChannelResidual>>> {
+        placed.iter().map(|one| self.residuals_of(&one.variant, one.index, span, one.near)).collect()
     }
     /// Returns the derivatives of the residuals of a variant along directions, direction by direction: exact, from one run. Returns `None` if the
     /// simulator has none for this variant or one of these directions; differences of runs then take their place.
@@ -190,6 +204,14 @@ pub trait SimulatorAccess: Sync {
     /// Assesses a recording from the initial state of the assessment of a similar mechanism, which is quicker than
     /// [`SimulatorAccess::assess`].
     fn assess_from(&self, parameters: &Parameters, index: usize, near: &Assessment) -> Option<Assessment>;
+    /// Assesses several recordings as [`SimulatorAccess::assess_from`] does, but quicker.
+    fn assess_each_from(
+        &self,
+        parameters: &Parameters,
+        recordings: &[NearRecording],
+    ) -> Vec<Option<Assessment>> {
+        recordings.iter().map(|one| self.assess_from(parameters, one.index, one.near)).collect()
+    }
     /// Assesses a recording from the mechanism's own initial state, which is sought near that of the assessment of a similar
     /// mechanism.
     fn assess_near(&self, parameters: &Parameters, index: usize, _near: &Assessment) -> Option<Assessment> {

@@ -7,6 +7,6 @@ mod access;
 pub mod objective;
 
 pub use access::{
-    Assessment, ChannelResidual, ControlSource, MechanismVariant, SimulatorAccess, Span, StartShift,
-    VariantDirection,
+    Assessment, ChannelResidual, ControlSource, MechanismVariant, NearRecording, PlacedVariant,
+    SimulatorAccess, Span, StartShift, VariantDirection,
 };

@@ -9,7 +9,8 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::history::ReadingColumns;
 use counterpoise_simulate::replay::{
-    Replay, ReplayDirection, ReplayLoop, ReplayMember, ReplayVariant, Replayer, SlopedReplay, reading_floor,
+    Replay, ReplayDirection, ReplayLoop, ReplayMember, ReplayRequest, ReplayVariant, Replayer, SlopedReplay,
+    reading_floor, replay_each,
 };
 use counterpoise_simulate::tolerance::WRONG_MODEL;
 
@@ -19,8 +20,8 @@ use crate::recording::noise::{measure_noise_floor, rounding_noise, stated_noise}
 use crate::recording::series::deviation;
 use crate::recording::series::rms;
 use crate::simulator_access::access::{
-    Assessment, ChannelResidual, ControlSource, MechanismVariant, SimulatorAccess, Span, StartShift,
-    VariantDirection,
+    Assessment, ChannelResidual, ControlSource, MechanismVariant, NearRecording, PlacedVariant,
+    SimulatorAccess, Span, StartShift, VariantDirection,
 };
 use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
 
@@ -82,7 +83,9 @@ impl<'a> RecordingReplays<'a> {
         prepared: &'a PreparedRecordings,
     ) -> Result<Self, Error> {
         let ready = |recordings: &'a [Recording]| {
-            let one = |r: &'a Recording| Ok(Replayer::new(base, r)?.with_step_bound(STEPS_PER_SAMPLE));
+            let one = |r: &'a Recording| {
+                Ok(Replayer::new(base, r)?.with_step_bound(STEPS_PER_SAMPLE).with_motion_computed())
+            };
             recordings.iter().map(one).collect::<Result<Vec<_>, counterpoise_simulate::Error>>()
         };
         let control_floor = match control {
@@ -228,16 +231,7 @@ impl<'a> RecordingReplays<'a> {
     /// Returns how far a run diverges from one with other noise and rounded readings, channel by channel: noise like the hub gyroscope's on the
     /// demand is another realisation of the loop's noise, rounding is what the replay leaves out, and more noise on the platform's readings is another reconstruction of its
     /// motion.
-    fn divergence(
-        &self,
-        parameters: &Parameters,
-        index: usize,
-        quiet: &Replay,
-        source: ControlSource,
-    ) -> Option<Vec<f64>> {
-        let control = self.control(source);
-        let shaken =
-            self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
+    fn divergence(&self, index: usize, quiet: &Replay, shaken: &Replay, source: ControlSource) -> Vec<f64> {
         let rounding = |channel| rounding_noise(self.base, channel);
         let size = |place: usize| {
             let (shown, place) = self.scored_channel(quiet, index, source, place)?;
@@ -247,7 +241,19 @@ impl<'a> RecordingReplays<'a> {
                 if shown == Channel::Control { 1.0 } else { rounding(shown) / self.floors[index][place] };
             Some((apart * apart - own * own).max(0.0).sqrt())
         };
-        Some((0..SCORED.len()).filter_map(size).collect())
+        (0..SCORED.len()).filter_map(size).collect()
+    }
+
+    /// Replays a recording with other noise and rounded readings, from the start of a run.
+    fn shake(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        quiet: &Replay,
+        source: ControlSource,
+    ) -> Option<Replay> {
+        let control = self.control(source);
+        self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))
     }
 
     /// Returns a recording ready to be replayed.
@@ -256,6 +262,22 @@ impl<'a> RecordingReplays<'a> {
             Span::Whole => &self.whole[index],
             Span::Head => &self.heads[index],
         }
+    }
+
+    /// Returns the replay of a variant in its recording; `None` if it has to be prepared anew, because the mechanism has other platform sensors.
+    fn request<'r>(&'r self, placed: &'r PlacedVariant, span: Span) -> Option<ReplayRequest<'r, 'a>> {
+        let PlacedVariant { variant, index, near } = placed;
+        let start = near.start.as_ref().filter(|_| self.same_platform_sensors(&variant.parameters))?;
+        let is_shifted = variant.shift.iter().any(|s| *s != 0.0);
+        Some(ReplayRequest {
+            replayer: self.prepared_replayer(*index, span),
+            control: self.control(near.source),
+            variant: ReplayVariant {
+                parameters: &variant.parameters,
+                start,
+                steps: is_shifted.then(|| self.possible_shift(*index, near.source, &variant.shift)),
+            },
+        })
     }
 
     /// Returns a shift of an initial state without what the recording determines.
@@ -268,7 +290,7 @@ impl<'a> RecordingReplays<'a> {
         shift
     }
 
-    /// Assesses a closed-loop run; if it does not repeat, assesses the playback in its place.
+    /// Assesses a run; if one in closed loop does not repeat, assesses the playback in its place.
     fn assess_run(
         &self,
         parameters: &Parameters,
@@ -276,29 +298,42 @@ impl<'a> RecordingReplays<'a> {
         quiet: Replay,
         playback: impl Fn() -> Option<Replay>,
     ) -> Option<Assessment> {
-        let length = self.prepared.whole[index].len();
-        if self.control == ReplayLoop::Open {
-            return self.assess_playback(parameters, index, quiet);
-        }
-        let divergence = self.divergence(parameters, index, &quiet, ControlSource::ClosedLoop)?;
-        let channels = self.channels(&quiet, index, length, ControlSource::ClosedLoop)?;
-        if !hunts(&channels, &divergence) {
-            return Some(Assessment {
-                channels,
-                divergence,
-                start: Some(quiet.start),
-                source: ControlSource::ClosedLoop,
-            });
-        }
-        self.assess_playback(parameters, index, playback()?)
+        let shaken = self.shake(parameters, index, &quiet, ControlSource::ClosedLoop)?;
+        self.judge_runs(parameters, index, [quiet, shaken], playback)
     }
 
-    /// Assesses a run under the recorded control.
-    fn assess_playback(&self, parameters: &Parameters, index: usize, played: Replay) -> Option<Assessment> {
+    /// Assesses a run beside one with other noise; if those in closed loop do not repeat, assesses the playback in their place.
+    fn judge_runs(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        [quiet, shaken]: [Replay; 2],
+        playback: impl Fn() -> Option<Replay>,
+    ) -> Option<Assessment> {
+        if self.control == ReplayLoop::Open {
+            return self.compare_runs(index, quiet, &shaken, ControlSource::Playback);
+        }
+        let found = self.compare_runs(index, quiet, &shaken, ControlSource::ClosedLoop)?;
+        if !hunts(&found.channels, &found.divergence) {
+            return Some(found);
+        }
+        let played = playback()?;
+        let shaken = self.shake(parameters, index, &played, ControlSource::Playback)?;
+        self.compare_runs(index, played, &shaken, ControlSource::Playback)
+    }
+
+    /// Returns the assessment of a run, with its divergence from one with other noise.
+    fn compare_runs(
+        &self,
+        index: usize,
+        quiet: Replay,
+        shaken: &Replay,
+        source: ControlSource,
+    ) -> Option<Assessment> {
         let length = self.prepared.whole[index].len();
-        let channels = self.channels(&played, index, length, ControlSource::Playback)?;
-        let divergence = self.divergence(parameters, index, &played, ControlSource::Playback)?;
-        Some(Assessment { channels, divergence, start: Some(played.start), source: ControlSource::Playback })
+        let divergence = self.divergence(index, &quiet, shaken, source);
+        let channels = self.channels(&quiet, index, length, source)?;
+        Some(Assessment { channels, divergence, start: Some(quiet.start), source })
     }
 }
 
@@ -373,30 +408,17 @@ impl SimulatorAccess for RecordingReplays<'_> {
         Some((channels, replay.start))
     }
 
-    fn residuals_of_variants(
-        &self,
-        variants: &[MechanismVariant],
-        index: usize,
-        span: Span,
-        near: &Assessment,
-    ) -> Vec<Option<Vec<ChannelResidual>>> {
-        let shares = variants.iter().all(|variant| self.same_platform_sensors(&variant.parameters));
-        let Some(start) = near.start.as_ref().filter(|_| shares) else {
-            return variants.iter().map(|variant| self.residuals_of(variant, index, span, near)).collect();
+    fn residuals_of_each(&self, placed: &[PlacedVariant], span: Span) -> Vec<Option<Vec<ChannelResidual>>> {
+        let requests: Vec<Option<ReplayRequest>> = placed.iter().map(|one| self.request(one, span)).collect();
+        let together: Vec<ReplayRequest> = requests.iter().flatten().copied().collect();
+        let mut replays = replay_each(&together).into_iter();
+        let one = |(asked, request): (&PlacedVariant, Option<ReplayRequest>)| {
+            let PlacedVariant { variant, index, near } = asked;
+            let Some(request) = request else { return self.residuals_of(variant, *index, span, near) };
+            let length = request.replayer.recording().len();
+            self.channels(&replays.next()?.ok()?, *index, length, near.source)
         };
-        let ready = self.prepared_replayer(index, span);
-        let asked = variants.iter().map(|variant| {
-            let is_shifted = variant.shift.iter().any(|s| *s != 0.0);
-            ReplayVariant {
-                parameters: &variant.parameters,
-                start,
-                steps: is_shifted.then(|| self.possible_shift(index, near.source, &variant.shift)),
-            }
-        });
-        let asked: Vec<ReplayVariant> = asked.collect();
-        let replays = ready.replay_variants(self.control(near.source), &asked);
-        let length = ready.recording().len();
-        replays.into_iter().map(|replay| self.channels(&replay.ok()?, index, length, near.source)).collect()
+        placed.iter().zip(requests).map(one).collect()
     }
 
     fn residual_slopes(
@@ -469,6 +491,38 @@ impl SimulatorAccess for RecordingReplays<'_> {
             self.with(parameters, ready, |r| r.replay_from(parameters, control, start))
         };
         self.assess_run(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
+    }
+
+    fn assess_each_from(
+        &self,
+        parameters: &Parameters,
+        recordings: &[NearRecording],
+    ) -> Vec<Option<Assessment>> {
+        let alone = |one: &NearRecording| self.assess_from(parameters, one.index, one.near);
+        let starts: Option<Vec<&PlantState>> = recordings.iter().map(|one| one.near.start.as_ref()).collect();
+        let Some(starts) = starts.filter(|_| self.same_platform_sensors(parameters)) else {
+            return recordings.iter().map(alone).collect();
+        };
+        let runs = |replayers: &[Replayer]| {
+            let requests = recordings.iter().zip(&starts).map(|(one, start)| ReplayRequest {
+                replayer: &replayers[one.index],
+                control: &self.control,
+                variant: ReplayVariant { parameters, start, steps: None },
+            });
+            let requests: Vec<ReplayRequest> = requests.collect();
+            replay_each(&requests)
+        };
+        let (quiet, shaken) = (runs(&self.whole), runs(&self.noisy));
+        let one = |((one, quiet), shaken): ((&NearRecording, Result<Replay, _>), Result<Replay, _>)| {
+            let start = one.near.start.as_ref()?;
+            let played = || {
+                self.with(parameters, &self.whole[one.index], |r| {
+                    r.replay_from(parameters, &ReplayLoop::Open, start)
+                })
+            };
+            self.judge_runs(parameters, one.index, [quiet.ok()?, shaken.ok()?], played)
+        };
+        recordings.iter().zip(quiet).zip(shaken).map(one).collect()
     }
 
     fn assess_near(&self, parameters: &Parameters, index: usize, near: &Assessment) -> Option<Assessment> {

@@ -44,6 +44,8 @@ pub const LARGEST_SCALED_RIPPLE: f64 = 500.0;
 pub const SCALED_FACTORS: [f64; 2] = [4.0, 16.0];
 /// Number of starts of an effect that are evaluated at full size.
 pub const STARTS_VISITED: usize = 3;
+/// Perturbations whose replays run side by side: more of one shape fill the registers, and each holds the residuals of its recordings.
+pub const PERTURBATIONS_TOGETHER: usize = 8;
 /// Interval in samples at which a trace is kept.
 pub const TRACE_STRIDE: usize = 7;
 

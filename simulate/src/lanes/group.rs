@@ -7,13 +7,14 @@ use super::step::{LaneInput, LaneSetup, LaneStep, LaneWork};
 use super::table::{LaneTable, SEEN};
 use crate::engine::attempt::Continuation;
 use crate::engine::linear_core::ModeOutputs;
-use crate::engine::ports::{NearbyAngle, PlatformPoint};
+use crate::engine::ports::{CommonParts, NearbyAngle, PlatformPoint};
 use crate::engine::present_plant::{OrdinaryState, Sample};
 use crate::engine::stepper::Stepper;
 use crate::engine::tables::STAGES;
 use crate::run::PlantSample;
 use crate::scenario::Detail;
 use crate::tolerance::FEWEST_LANES;
+use counterpoise_models::friction::{DryFriction, FrictionModel};
 use pulp::Simd;
 
 /// Kind of registers that an ensemble uses.
@@ -23,6 +24,40 @@ pub enum Registers {
     Widest,
     /// None: one number after the other.
     Scalar,
+}
+
+/// What mechanisms must have in common to go through their samples together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LaneShape {
+    period_s: f64,
+    tolerance: f64,
+    /// Numbers of states: of all, and of the leading block.
+    order: [usize; 2],
+    has_gyro: bool,
+    parts: CommonParts,
+    /// The laws of friction at motor and pivot, without their numbers.
+    laws: [DryFriction; 2],
+}
+
+impl LaneShape {
+    /// Returns the shape of a mechanism; `None` if it has a part that only runs alone have.
+    pub fn of(stepper: &mut Stepper) -> Option<Self> {
+        stepper.prepare_ordinary();
+        let present = stepper.present_plant();
+        let core = present.first_core();
+        let [motor, pivot] = present.ports.frictions();
+        let law = |model: &FrictionModel| {
+            DryFriction::join([model]).map(|joined| joined.map_numbers(|_: [f64; 1]| 0.0))
+        };
+        (core.table(0).is_some() && !core.has_stuck_joint()).then_some(Self {
+            period_s: stepper.period_s(),
+            tolerance: stepper.tolerance(),
+            order: [core.order(), core.leading_size()],
+            has_gyro: stepper.filter().rows(0).is_some(),
+            parts: present.ports.common_parts()?,
+            laws: [law(motor)?, law(pivot)?],
+        })
+    }
 }
 
 /// Four mechanisms of one shape, as far as their samples are smooth.

@@ -110,6 +110,43 @@ pub struct ReplayVariant<'p> {
     pub steps: Option<[f64; START_FREEDOMS]>,
 }
 
+/// A replay that is asked for beside others, of this recording or of another.
+#[derive(Clone, Copy)]
+pub struct ReplayRequest<'r, 'a> {
+    /// The recording.
+    pub replayer: &'r Replayer<'a>,
+    /// The loop.
+    pub control: &'r ReplayLoop,
+    /// The mechanism.
+    pub variant: ReplayVariant<'r>,
+}
+
+/// Carries out replays side by side, each once: what each gives has the same bytes as [`Replayer::replay_from`] and [`Replayer::replay_nudged`] give.
+///
+/// # Errors
+/// Request by request, as [`replay`].
+pub fn replay_each<'a>(requests: &[ReplayRequest<'_, 'a>]) -> Vec<Result<Replay, Error>> {
+    let ready = requests.iter().map(|one| one.replayer.prepare_variant(one.control, &one.variant));
+    let mut ready: Vec<Result<ReadyVariant<'a>, Error>> = ready.collect();
+    let possible = ready.iter_mut().filter_map(|one| one.as_mut().ok());
+    let mut runs: Vec<EnsembleRun> = possible
+        .map(|one| EnsembleRun {
+            simulator: &mut one.simulator,
+            controller: one.controller.as_mut(),
+            scenario: &one.scenario,
+            watch: None,
+        })
+        .collect();
+    let mut histories = run_ensemble(&mut runs).into_iter();
+    drop(runs);
+    let replay = |(one, asked): (Result<ReadyVariant, Error>, &ReplayRequest)| {
+        let ReadyVariant { simulator, start, .. } = one?;
+        let history = histories.next().unwrap_or(Err(Error::NoChannel { channel: "samples" }))?;
+        Ok(asked.replayer.compare_channels(simulator.plant(), asked.control, history, start))
+    };
+    ready.into_iter().zip(requests).map(replay).collect()
+}
+
 /// A mechanism that is ready to be replayed.
 struct ReadyVariant<'a> {
     simulator: Simulator,
@@ -194,6 +231,12 @@ impl<'a> Replayer<'a> {
     /// Returns the same with a bound on the steps of a run: see [`Simulator::with_step_bound`].
     pub fn with_step_bound(self, steps_per_sample: f64) -> Self {
         Self { steps_per_sample, ..self }
+    }
+
+    /// Returns the same with the platform's motion computed over every sample: for many replays of one recording.
+    pub fn with_motion_computed(self) -> Self {
+        let platform = self.platform.with_courses(self.recording.sample_period_s, self.samples);
+        Self { platform, ..self }
     }
 
     /// Returns the same with readings and a control that are rounded as the project's converters do. A replay without rounding differs from it
@@ -335,37 +378,6 @@ impl<'a> Replayer<'a> {
         let start = start::nudge_start(&mut simulator, self, near, steps);
         let history = self.run(&mut simulator, control, &start)?;
         Ok(self.compare_channels(&plant, control, history, start))
-    }
-
-    /// Replays the recording once with each of several mechanisms, side by side: what each gives has the same bytes as
-    /// [`Self::replay_from`] and [`Self::replay_nudged`] give.
-    ///
-    /// # Errors
-    /// Mechanism by mechanism, as [`replay`].
-    pub fn replay_variants(
-        &self,
-        control: &ReplayLoop,
-        variants: &[ReplayVariant],
-    ) -> Vec<Result<Replay, Error>> {
-        let mut ready: Vec<Result<ReadyVariant, Error>> =
-            variants.iter().map(|variant| self.prepare_variant(control, variant)).collect();
-        let possible = ready.iter_mut().filter_map(|one| one.as_mut().ok());
-        let mut runs: Vec<EnsembleRun> = possible
-            .map(|one| EnsembleRun {
-                simulator: &mut one.simulator,
-                controller: one.controller.as_mut(),
-                scenario: &one.scenario,
-                watch: None,
-            })
-            .collect();
-        let mut histories = run_ensemble(&mut runs).into_iter();
-        drop(runs);
-        let replay = |one: Result<ReadyVariant, Error>| {
-            let ReadyVariant { simulator, start, .. } = one?;
-            let history = histories.next().unwrap_or(Err(Error::NoChannel { channel: "samples" }))?;
-            Ok(self.compare_channels(simulator.plant(), control, history, start))
-        };
-        ready.into_iter().map(replay).collect()
     }
 
     /// Makes a mechanism ready to be replayed.
