@@ -6,7 +6,34 @@ use counterpoise_verify::Verification;
 use counterpoise_verify::difference::FigureChange;
 
 use crate::tolerance::{LEAST_SHOWN_CHANGE, LEAST_SHOWN_DIFFERENCE, SAME_FIGURE};
-use crate::{OutcomeTone, ReportCell, ReportColumn, ReportSection, ReportTable};
+use crate::{
+    Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection, ReportTable,
+};
+
+/// Returns the report of what changed in a project's figures from an earlier one.
+pub fn changes_report(machine: &str, before: &str, command: &str, changes: &[FigureChange]) -> Report {
+    let turned = |found| {
+        changes.iter().filter(|change| change.has_changed_verdict() && change.holds == Some(found)).count()
+    };
+    let tone = match (turned(true), turned(false)) {
+        (_, 1..) => OutcomeTone::Bad,
+        (1.., _) => OutcomeTone::Good,
+        _ => OutcomeTone::Neutral,
+    };
+    Report {
+        title: format!("Changes of {machine}"),
+        subtitle: "the figures of two verifications side by side".to_owned(),
+        headline: Headline { tone, text: summarise_changes(before, changes), detail: String::new() },
+        tiles: Vec::new(),
+        verdicts: ReportTable::new("", &[]),
+        glance: Vec::new(),
+        sections: vec![changes_section(before, changes)],
+        provenance: vec![
+            ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
+            ProvenanceEntry::new("command", command),
+        ],
+    }
+}
 
 /// Returns every figure that changed, those whose verdict turned first.
 pub fn changes_section(before: &str, changes: &[FigureChange]) -> ReportSection {

@@ -177,8 +177,21 @@ pub fn figures(front: &FrontText, words: &[ObjectiveWords]) -> Vec<Figure> {
     (1..words.len()).filter_map(|k| figure(front, words, k)).collect()
 }
 
+/// Returns where each design stands in each of the [`figures`]: figure by figure, design by design.
+pub fn design_places(front: &FrontText) -> Vec<Vec<[f64; 2]>> {
+    let words = objective_words(front);
+    let in_figure =
+        |other: usize| front.designs.iter().map(|design| place_of(&words, other, &design.figures)).collect();
+    (1..words.len()).map(in_figure).collect()
+}
+
+/// Returns the place of some figures where the first objective is drawn against another.
+fn place_of(words: &[ObjectiveWords], other: usize, figures: &[f64]) -> [f64; 2] {
+    [words[other].scale * figures[other], words[0].scale * figures[0]]
+}
+
 fn figure(front: &FrontText, words: &[ObjectiveWords], other: usize) -> Option<Figure> {
-    let at = |figures: &[f64]| [words[other].scale * figures[other], words[0].scale * figures[0]];
+    let at = |figures: &[f64]| place_of(words, other, figures);
     let is_drawn = |point: &[f64; 2]| point.iter().all(|value| value.is_finite());
     let (mut marks, mut series, mut all) = (Vec::new(), Vec::new(), Vec::new());
     for (kind, colour) in front.kinds.iter().zip(KINDS) {

@@ -9,7 +9,7 @@
 //! Modules in reading order: [`page`], [`html`], [`style`], [`figure_tables`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`], [`front`]; the other commands'
 //! reports: [`check`], [`key_reference`], [`commission`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robustness`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
-//! [`diagnosis`], `learned`, [`residual`], [`structure`]; what result files hold: [`results`]; what commands print: [`terminal`]; and every sentence about a
+//! [`diagnosis`], [`experiment`], `learned`, [`residual`], [`structure`]; what result files hold: [`results`]; what commands print: [`terminal`]; and every sentence about a
 //! result: [`wording`].
 
 pub mod adaptation;
@@ -26,6 +26,7 @@ pub mod difference;
 pub mod error_budget;
 mod error_budget_figures;
 pub mod evidence;
+pub mod experiment;
 pub mod figure_tables;
 pub mod first_design;
 pub mod fra;

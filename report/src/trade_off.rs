@@ -1,10 +1,11 @@
 //! The answer of a search for weights: rejection against sensitivity and effort, point by point.
 
 use counterpoise_pipeline::ProjectIdentity;
-use counterpoise_pipeline::studies::search::{SearchAnswer, TradeOffPoint};
+use counterpoise_pipeline::studies::search::{JudgedWeights, SearchAnswer, TradeOffPoint};
 use counterpoise_synth::Figures;
 
 use crate::design::weight_section;
+use crate::results::front::VerdictSummary;
 use crate::wording::weights::describe_weights;
 use crate::{
     FigureTile, Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportOrigin, ReportSection,
@@ -26,6 +27,19 @@ pub struct VerifiedPoint {
     pub failing: Vec<String>,
     /// `true` if everything holds.
     pub holds: bool,
+}
+
+impl From<&JudgedWeights> for VerifiedPoint {
+    fn from(point: &JudgedWeights) -> Self {
+        let found = VerdictSummary::from(point.verified.verification());
+        Self {
+            max_sensitivity_limit: point.ms_limit,
+            rejection: point.found.best.figures.rejection,
+            verdicts: found.verdicts,
+            failing: found.failing,
+            holds: point.holds(),
+        }
+    }
 }
 
 /// Returns the report of a search for weights; `points` are the verdicts on the answer and on the points of its curve.

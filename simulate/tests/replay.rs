@@ -220,12 +220,12 @@ fn variants_replayed_side_by_side_leave_the_same_bytes_as_each_alone() {
             let steps = |k: usize| (k > 2).then(|| std::array::from_fn(|j| if j == k { 1.0 } else { 0.0 }));
             let variant = |(k, parameters)| ReplayVariant { parameters, start: &start, steps: steps(k) };
             let variants: Vec<ReplayVariant> = mechanisms.iter().enumerate().map(variant).collect();
-            let request = |variant: &ReplayVariant| ReplayRequest {
+            let requests = variants.iter().map(|variant| ReplayRequest {
                 replayer: &replayer,
                 control: &control,
                 variant: *variant,
-            };
-            let together = replay_each(&variants.iter().map(request).collect::<Vec<_>>());
+            });
+            let together = replay_each(&requests.collect::<Vec<_>>());
             for (variant, together) in variants.iter().zip(together) {
                 let alone = match &variant.steps {
                     None => replayer.replay_from(variant.parameters, &control, &start),

@@ -55,7 +55,7 @@ fn show_gestures(ui: &mut Ui, theme: &WindowTheme, page: Page) {
     for gesture in page_help(page).gestures {
         ui.label(RichText::new(format!("\u{2022} {gesture}")).small());
     }
-    let keys = ["F5", "F6", "F7", "F8", "F9", "Ctrl+K", "Ctrl+Z", "Ctrl+S"];
+    let keys = ["F5", "F6", "F7", "F8", "F9", "F10", "Ctrl+K", "Ctrl+Z", "Ctrl+S"];
     let commands = list_commands();
     for entry in commands.iter().filter(|entry| keys.contains(&entry.shortcut)) {
         ui.label(RichText::new(format!("{}: {}", entry.shortcut, entry.name)).small().color(theme.weak));

@@ -10,7 +10,7 @@
 //!
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
-//! Modules in reading order: [`commissioning_inputs`], [`command`], [`editing`], [`examples`], [`versioned_results`], [`jobs`], [`results`], [`units`], [`theme`],
+//! Modules in reading order: [`commissioning_inputs`], [`study_inputs`], [`command`], [`editing`], [`examples`], [`versioned_results`], [`jobs`], [`results`], [`units`], [`theme`],
 //! [`number_format`], [`charts`], [`help`], [`browser`], [`design_overlays`], [`tile_layout`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
 //! [`status_bar`], [`banners`], [`close_question`], [`command_palette`], [`help_window`], [`pages`], [`main_window`], [`frame_log`], [`script`],
 //! [`offscreen`], [`native_window`].
@@ -51,6 +51,7 @@ pub mod settings;
 pub mod shortcuts;
 pub mod status_bar;
 pub mod studio;
+pub mod study_inputs;
 pub mod text_difference;
 pub mod theme;
 pub mod tile_layout;

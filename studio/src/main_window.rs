@@ -55,6 +55,7 @@ fn show_page(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         Page::Verify => pages::verify::show(studio, ui, queue),
         Page::Diagnose => pages::diagnose::show(studio, ui, queue),
         Page::Commission => pages::commission::show(studio, ui, queue),
+        Page::Studies => pages::studies::show(studio, ui, queue),
         Page::Text => pages::project_text::show(studio, ui, queue),
     }
 }

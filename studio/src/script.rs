@@ -39,6 +39,9 @@ fn needs_rest(command: &Command) -> bool {
             | Command::Export
             | Command::ExportTo { .. }
             | Command::Accept
+            | Command::RunStudy { .. }
+            | Command::RunShownStudy
+            | Command::TakeProposal { .. }
             | Command::SavePlot { .. }
             | Command::WriteReport { .. }
             | Command::Keep { .. }

@@ -76,6 +76,12 @@ fn current_status(studio: &Studio, theme: &WindowTheme) -> Status {
     if jobs.measure.is_busy() {
         return status(format!("measuring {}", jobs.measurement_progress()), theme.accent);
     }
+    if jobs.study.is_busy() {
+        return status(
+            format!("{} {}", jobs.asked_study.name().to_lowercase(), jobs.study_progress()),
+            theme.accent,
+        );
+    }
     if jobs.replay.is_busy() {
         return status("replaying the recordings", theme.accent);
     }

@@ -38,3 +38,6 @@ pub(crate) const SHORTEST_TERM: usize = 3;
 
 /// Smallest limit of the largest sensitivity to which it is dragged: no loop is below 1, and the project file refuses 1.
 pub(crate) const SMALLEST_SENSITIVITY_LIMIT: f64 = 1.01;
+
+/// Largest distance of a click from the point of a design, as a share of the plot: about the size of a fingertip on a usual screen.
+pub(crate) const CLICK_REACH: f64 = 0.04;

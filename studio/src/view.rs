@@ -14,6 +14,7 @@ use crate::commissioning_inputs::CommissioningInputs;
 use crate::design_overlays::{HistoryState, OverlaidDesign, OverlayName};
 use crate::help::page_texts::page_topic;
 use crate::help::topics::HelpState;
+use crate::study_inputs::{StudyInputs, StudyKind};
 use crate::theme::{DARK, LIGHT, WindowTheme};
 use crate::tile_layout::{PlotTiles, TilePlace};
 use crate::units::DisplayUnits;
@@ -198,6 +199,10 @@ pub struct StudioView {
     pub section: usize,
     /// Inputs of the page Commission.
     pub commissioning: CommissioningInputs,
+    /// The study of the page Studies.
+    pub study: StudyKind,
+    /// What the user gives the studies.
+    pub study_inputs: StudyInputs,
     /// The page Text.
     pub text: TextViewState,
     /// The tab X-Y of the page Diagnose.
@@ -240,6 +245,8 @@ impl Default for StudioView {
             requirement: 0,
             section: 0,
             commissioning: CommissioningInputs::default(),
+            study: StudyKind::Search,
+            study_inputs: StudyInputs::default(),
             text: TextViewState::default(),
             cross_plot: CrossPlotState::default(),
             help: HelpState::default(),
@@ -274,6 +281,8 @@ impl StudioView {
             Command::ShowDesign { tab } => (self.page, self.design_tab) = (Page::Design, *tab),
             Command::ShowVerification { tab } => (self.page, self.verification_tab) = (Page::Verify, *tab),
             Command::SetCommissioning { inputs } => self.commissioning = inputs.clone(),
+            Command::ShowStudy { study } => (self.page, self.study) = (Page::Studies, *study),
+            Command::SetStudyInputs { inputs } => self.study_inputs = inputs.clone(),
             Command::SetCrossPlot { x, y, window_s } => {
                 let plot = &mut self.cross_plot;
                 (plot.x, plot.y, plot.window_s) = (x.clone(), y.clone(), *window_s);

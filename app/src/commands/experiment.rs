@@ -8,8 +8,9 @@ use counterpoise_diagnose::experiment::{ExperimentPlan, Limits, MachineMotion, P
 use counterpoise_host::workers::ProgressPool;
 use counterpoise_host::{files, projects};
 use counterpoise_pipeline::exchange::{RunHistory, RunSignal, WithHistories};
-use counterpoise_pipeline::recordings::experiment::{DiagnosisFindings, plan_experiment};
+use counterpoise_pipeline::recordings::experiment::{DiagnosisFindings, demand_csv, plan_experiment};
 use counterpoise_project::Purpose;
+use counterpoise_report::experiment::{PlannedMotion, experiment_report};
 use counterpoise_report::terminal::experiment::experiment_lines;
 use counterpoise_report::wording::experiment::describe_plan;
 use counterpoise_report::wording::recordings::describe_recordings_error;
@@ -34,6 +35,9 @@ pub struct ExperimentOptions {
     /// CSV file for the demand
     #[arg(short, long, value_name = "FILE", default_value = "demand.csv")]
     pub output: PathBuf,
+    /// Write a report to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
     /// With --json or --data: also the motion of every machine in the best experiment
     #[arg(long, requires = WRITTEN)]
     pub histories: bool,
@@ -106,11 +110,21 @@ pub fn run(options: &ExperimentOptions) -> CommandResult {
     let period_s = loaded.project.plant.interface.sample_period_s;
     let text = describe_plan(&planned);
     if let Some(best) = planned.experiments.first() {
-        projects::write_file(&options.output, csv(&best.demand, period_s).as_bytes())?;
+        projects::write_file(&options.output, demand_csv(&best.demand, period_s).as_bytes())?;
+    }
+    let controlled = loaded.project.plant.controlled_quantity();
+    if let Some(path) = &options.report {
+        let command = format!("counterpoise experiment {}", loaded.path.display());
+        let page = experiment_report(
+            &loaded.project.plant.name,
+            &command,
+            &text,
+            PlannedMotion { plan: &planned, controlled },
+        );
+        output::write_report(path, &options.results, &page)?;
     }
     let histories = if options.histories { motion_histories(&planned) } else { Vec::new() };
     if !output::write_result(&options.results, &WithHistories { result: &text, histories })? {
-        let controlled = loaded.project.plant.controlled_quantity();
         output::print_lines(&experiment_lines(&text, controlled));
         say!("the demand is written to {}", options.output.display());
     }
@@ -129,11 +143,4 @@ fn motion_histories(planned: &ExperimentPlan) -> Vec<RunHistory> {
         RunHistory::new(&machine.name, motion.period_s, signals)
     };
     planned.machines.iter().zip(&planned.motions).map(history).collect()
-}
-
-/// Returns the demand as a CSV recording.
-fn csv(demand: &[f64], period_s: f64) -> String {
-    let rows =
-        demand.iter().enumerate().map(|(k, value)| format!("{:.6},{value:.9e}\n", k as f64 * period_s));
-    std::iter::once("time [s],demand\n".to_owned()).chain(rows).collect()
 }

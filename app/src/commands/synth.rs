@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 use super::synth_front::{self, FrontArguments, FrontRequest};
-use super::synth_outputs::{report_origin, save_project, verdicts_of};
+use super::synth_outputs::{report_origin, save_project};
 use crate::exit::{CommandResult, ExitStatus, verdict_code};
 use crate::options::CommandOutputs;
 use crate::output::{self, say};
@@ -140,7 +140,7 @@ fn report_search(
     if let Some(path) = &options.save {
         save_project(loaded, &found.project, path)?;
     }
-    let points: Vec<VerifiedPoint> = judged.iter().map(verified_point).collect();
+    let points: Vec<VerifiedPoint> = judged.iter().map(VerifiedPoint::from).collect();
     let result = SearchText::new(&found, points);
     if let Some(path) = &options.outputs.report {
         let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
@@ -159,15 +159,4 @@ fn report_search(
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
     Ok(verdict_code([holds]))
-}
-
-fn verified_point(point: &JudgedWeights) -> VerifiedPoint {
-    let found = verdicts_of(point.verified.verification());
-    VerifiedPoint {
-        max_sensitivity_limit: point.ms_limit,
-        rejection: point.found.best.figures.rejection,
-        verdicts: found.verdicts,
-        failing: found.failing,
-        holds: point.holds(),
-    }
 }

@@ -6,16 +6,17 @@ use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 use counterpoise_pipeline::first_design::with_chosen_weights_on;
-use counterpoise_pipeline::studies::front::{ProjectFront, project_front, project_with_point};
+use counterpoise_pipeline::studies::front::{self, ProjectFront, project_front, project_with_point};
 use counterpoise_pipeline::{World as _, build_plant_model, reduce_plant, synthesise, verify};
 use counterpoise_project::resolve::front::{FrontOptions, read_objectives};
 use counterpoise_project::{Project, Purpose};
 use counterpoise_report::front::front_report;
 use counterpoise_report::results::FrontText;
+use counterpoise_report::results::front::VerdictSummary;
 use counterpoise_report::terminal::front::front_lines;
 use counterpoise_synth::LoopLimits;
 
-use super::synth_outputs::{report_origin, save_project, verdicts_of};
+use super::synth_outputs::{report_origin, save_project};
 use crate::exit::{CommandResult, ExitStatus, verdict_code};
 use crate::options::CommandOutputs;
 use crate::output::{self, say};
@@ -70,13 +71,11 @@ pub struct AskedFront {
 /// A project file or an argument that cannot be used.
 pub fn asked_front(request: &FrontRequest<'_>) -> Result<Option<AskedFront>> {
     let loaded = projects::load_project(request.project, Purpose::Front)?;
-    let stated = loaded.project.synth.as_ref().map(|synth| &synth.options);
-    let searches_weights = stated.is_some_and(|stated| stated.search.is_some() && stated.front.is_none());
-    if searches_weights && !request.arguments.are_given() {
+    let (stated, asked) = (front::asked_front(&loaded.project), request.arguments);
+    if stated.is_none() && !asked.are_given() {
         return Ok(None);
     }
-    let mut front = stated.and_then(|stated| stated.front.clone()).unwrap_or_default();
-    let asked = request.arguments;
+    let mut front = stated.unwrap_or_default();
     if !asked.objectives.is_empty() {
         let names: Vec<String> = asked.objectives.iter().map(|name| name.trim().to_owned()).collect();
         front.objectives = read_objectives(&names).map_err(|problem| {
@@ -158,7 +157,8 @@ pub fn run(request: &FrontRequest<'_>, asked: &AskedFront) -> CommandResult {
         if chosen.verify.is_some() {
             let modelled = build_plant_model(&chosen)?;
             let made = synthesise(&chosen, &modelled, &reduce_plant(&chosen, &modelled)?)?;
-            let verdicts = verdicts_of(verify(&chosen, &modelled, &made, &world)?.verification());
+            let verified = verify(&chosen, &modelled, &made, &world)?;
+            let verdicts = VerdictSummary::from(verified.verification());
             code = verdict_code([verdicts.holds]);
             text.verified = Some(verdicts);
         }

@@ -117,6 +117,13 @@ pub fn plan_experiment(
     Ok(planned)
 }
 
+/// Returns a demand as a CSV recording.
+pub fn demand_csv(demand: &[f64], period_s: f64) -> String {
+    let rows =
+        demand.iter().enumerate().map(|(k, value)| format!("{:.6},{value:.9e}\n", k as f64 * period_s));
+    std::iter::once("time [s],demand\n".to_owned()).chain(rows).collect()
+}
+
 /// Effects that a plan without findings separates: those that are most often confused.
 const USUAL: [(Component, EffectName); 6] = [
     (Component::Pivot, EffectName::Coulomb),

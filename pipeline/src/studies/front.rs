@@ -201,6 +201,16 @@ fn rate_points(points: &mut [KindPoint], kinds: &[FrontKind], objectives: &[Fron
     }
 }
 
+/// Returns the front that a project asks for, the usual one if its file says nothing of a search; `None` if it states requirements of a search for
+/// weights and no front.
+pub fn asked_front(project: &Project) -> Option<FrontOptions> {
+    let stated = project.synth.as_ref().map(|synth| &synth.options);
+    match stated.and_then(|stated| stated.front.clone()) {
+        Some(front) => Some(front),
+        None => stated.is_none_or(|stated| stated.search.is_none()).then(FrontOptions::default),
+    }
+}
+
 /// Returns the project with a design of its front in the place of its feedback; `None` if there is no design of this number.
 pub fn project_with_point(project: &Project, front: &ProjectFront, number: usize) -> Option<Project> {
     let chosen = front.points.get(number.checked_sub(1)?)?;

@@ -45,6 +45,13 @@ pub struct VerificationOptions {
     pub kept: KeptDesigns,
 }
 
+impl VerificationOptions {
+    /// Returns the options of a verification that differs in nothing from the project.
+    pub fn of_project() -> Self {
+        Self { plant: VerifiedPlant::Project, road: None, triangle: None, kept: KeptDesigns::Systems }
+    }
+}
+
 /// A project's controller, verified, with everything that is shown of it.
 #[derive(Debug, Clone)]
 pub struct VerificationStudy {

@@ -5,9 +5,11 @@ use counterpoise_pipeline::studies::designs::{LimitsResult, TableMotion};
 use counterpoise_pipeline::studies::front::{KindPoint, KindRole, ProjectFront};
 use counterpoise_pipeline::tuning::{BlockResult, LoopMeasuresResult, MeasuredLoops, WeightsResult};
 use counterpoise_synth::{FrontMethod, FrontObjective};
+use counterpoise_verify::{Verdict, Verification};
 use serde::Serialize;
 
 use crate::wording::designs::describe_objective;
+use crate::wording::figures::{describe_figure, format_figure};
 
 /// The designs of a project of which none is better than another of its kind in every objective.
 #[derive(Debug, Serialize)]
@@ -62,6 +64,22 @@ pub struct VerdictSummary {
     pub failing: Vec<String>,
     /// `true` if everything holds.
     pub holds: bool,
+}
+
+impl From<&Verification> for VerdictSummary {
+    fn from(found: &Verification) -> Self {
+        let (holds, fails, open) = found.counts();
+        let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
+            Verdict::Fails { value, limit, .. } => Some(format!(
+                "{}: {} against {}",
+                describe_figure(requirement.figure, found.controlled_quantity()),
+                format_figure(*value),
+                limit.value()
+            )),
+            _ => None,
+        });
+        Self { verdicts: [holds, fails, open], failing: failing.collect(), holds: found.passes() }
+    }
 }
 
 /// A kind of design.

@@ -18,6 +18,8 @@ pub enum Page {
     Diagnose,
     /// Rounds of design, experiment and redesign on a machine.
     Commission,
+    /// Studies of the project: searches, comparisons, identification, experiments.
+    Studies,
     /// The project file as text, with its errors in place.
     Text,
 }
@@ -97,8 +99,16 @@ pub enum BrowsePurpose {
 
 impl Page {
     /// All pages, in the order of the work.
-    pub const ALL: [Page; 7] =
-        [Page::Plant, Page::Reduce, Page::Design, Page::Verify, Page::Diagnose, Page::Commission, Page::Text];
+    pub const ALL: [Page; 8] = [
+        Page::Plant,
+        Page::Reduce,
+        Page::Design,
+        Page::Verify,
+        Page::Diagnose,
+        Page::Commission,
+        Page::Text,
+        Page::Studies,
+    ];
 
     /// Returns the page's name.
     pub fn name(self) -> &'static str {
@@ -109,6 +119,7 @@ impl Page {
             Page::Verify => "Verify",
             Page::Diagnose => "Diagnose",
             Page::Commission => "Commission",
+            Page::Studies => "Studies",
             Page::Text => "Text",
         }
     }

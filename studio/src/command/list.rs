@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::{BrowsePurpose, Command, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
+use crate::study_inputs::StudyKind;
 
 /// A command as menus and the command palette show it.
 #[derive(Debug, Clone)]
@@ -21,7 +22,8 @@ fn entry(name: &'static str, shortcut: &'static str, command: Command) -> Comman
 
 /// Returns every command that needs no argument, in the order of the command palette.
 pub fn list_commands() -> Vec<CommandEntry> {
-    [page_commands(), file_commands(), work_commands(), design_commands(), view_commands()].concat()
+    [page_commands(), file_commands(), work_commands(), study_commands(), design_commands(), view_commands()]
+        .concat()
 }
 
 fn page_commands() -> Vec<CommandEntry> {
@@ -36,6 +38,7 @@ fn page_commands() -> Vec<CommandEntry> {
         entry("Go to Diagnose", "Ctrl+5", page(Page::Diagnose)),
         entry("Go to Commission", "Ctrl+6", page(Page::Commission)),
         entry("Go to Text", "Ctrl+7", page(Page::Text)),
+        entry("Go to Studies", "Ctrl+8", page(Page::Studies)),
         entry(
             "Show the consequences of the design",
             "",
@@ -92,6 +95,13 @@ fn work_commands() -> Vec<CommandEntry> {
         entry("Run the next round of the commissioning", "F9", Command::RunRound),
         entry("Take the newest model of the rounds into the project", "", Command::AcceptRound),
     ]
+}
+
+fn study_commands() -> Vec<CommandEntry> {
+    let run = |study: StudyKind| entry(study.name(), "", Command::RunStudy { study });
+    let mut all: Vec<CommandEntry> = StudyKind::ALL.into_iter().map(run).collect();
+    all.push(entry("Run the study that is shown", "F10", Command::RunShownStudy));
+    all
 }
 
 fn design_commands() -> Vec<CommandEntry> {

@@ -13,6 +13,7 @@ pub use choices::{BrowsePurpose, DesignSlot, DesignTab, DiagnosisTab, Page, Veri
 pub use list::{CommandEntry, list_commands};
 
 use crate::commissioning_inputs::CommissioningInputs;
+use crate::study_inputs::{StudyInputs, StudyKind};
 
 /// Action of the user.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -117,6 +118,28 @@ pub enum Command {
     Measure,
     /// Simulates the controller on many mechanisms that differ as the project says.
     Sweep,
+    /// Shows a study and what it found.
+    ShowStudy {
+        /// The study.
+        study: StudyKind,
+    },
+    /// Makes a study of the project as it stands.
+    RunStudy {
+        /// The study.
+        study: StudyKind,
+    },
+    /// Makes the study that is shown.
+    RunShownStudy,
+    /// Sets what the user gives the studies.
+    SetStudyInputs {
+        /// The inputs.
+        inputs: StudyInputs,
+    },
+    /// Takes a proposal of the study that is shown into the project; one step of undo removes it again.
+    TakeProposal {
+        /// Its number, from 1.
+        number: usize,
+    },
     /// Shows one tab of the design.
     #[serde(rename = "look-at-design")]
     ShowDesign {

@@ -52,6 +52,13 @@ pub fn page_help(page: Page) -> PageHelp {
             summary: "Rounds of design, experiment and redesign on a machine behind a machine program.",
             gestures: &["F9 runs the next round."],
         },
+        Page::Studies => PageHelp {
+            summary: "Searches and comparisons of designs, the adaptation's test, another project beside this one, identification from recordings, and the next experiment.",
+            gestures: &[
+                "F10 runs the study that is shown, Esc stops it.",
+                "A design of a search is clicked in its plot, or taken by its button: one step that can be undone.",
+            ],
+        },
         Page::Text => PageHelp {
             summary: "The project file as text. What is typed is designed and verified at once; errors stand in place.",
             gestures: &[

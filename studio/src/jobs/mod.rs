@@ -2,7 +2,7 @@
 //!
 //! Modules in reading order: [`error_lines`], [`live_design`], [`verification`], [`measurements`], [`code_export`],
 //! [`report_job`], [`kept_designs`], [`plant_pictures`], [`assumption_ranking`],
-//! [`overlay_runs`], [`history_file`], [`plot_copy`], [`recording_views`], [`diagnosis`], [`commissioning`], [`folder_listing`], [`file_jobs`].
+//! [`overlay_runs`], [`history_file`], [`plot_copy`], [`recording_views`], [`diagnosis`], [`commissioning`], [`studies`], [`folder_listing`], [`file_jobs`].
 
 pub mod assumption_ranking;
 pub mod code_export;
@@ -20,8 +20,10 @@ pub mod plant_pictures;
 pub mod plot_copy;
 pub mod recording_views;
 pub mod report_job;
+pub mod studies;
 pub mod verification;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -38,6 +40,7 @@ use counterpoise_report::wording::answer::DescribedDiagnosis;
 
 use crate::editing::session::Session;
 use crate::settings::{SettingsFile, write_settings};
+use crate::study_inputs::StudyKind;
 use crate::versioned_results::VersionedResult;
 use assumption_ranking::{RankingRequest, answer_ranking};
 use code_export::{ExportRequest, WrittenCode, export_code};
@@ -55,6 +58,7 @@ use plant_pictures::{BeamModes, ReductionPicture};
 use plot_copy::{CopiedPlot, CopyRequest, copy_plot};
 use recording_views::{RecordingView, ReplayRequest, ReplayedFiles, replay_files};
 use report_job::{ReportRequest, write_report};
+use studies::{StudyResult, StudyWorker, study_worker};
 use verification::{
     LoopViewWorker, PartialVerification, TradeOffWorker, VerificationWorker, loop_view_worker,
     trade_off_worker, verification_worker,
@@ -90,6 +94,8 @@ pub struct BackgroundJobs {
     pub diagnose: DiagnosisWorker,
     /// Reads and runs rounds of a commissioning.
     pub commission: CommissioningWorker,
+    /// Makes studies.
+    pub study: StudyWorker,
     /// Replays recordings on the model.
     pub replay: BackgroundWorker<ReplayRequest, Option<ReplayedFiles>>,
     /// Lists folders.
@@ -124,9 +130,14 @@ pub struct BackgroundJobs {
     pub partial_campaign: PartialCampaign,
     /// The rounds of the commissioning, or why there are none.
     pub commissioning: Option<Result<CommissioningView, String>>,
+    /// The last result of each study, or why there is none.
+    pub studies: BTreeMap<StudyKind, VersionedResult<Result<Arc<StudyResult>, ErrorLines>>>,
+    /// The study that was asked for last.
+    pub asked_study: StudyKind,
     diagnosis_progress: SharedProgress,
     measurement_progress: SharedProgress,
     commissioning_progress: SharedProgress,
+    study_progress: SharedProgress,
 }
 
 /// Event of a diagnosis since the last frame.
@@ -144,7 +155,7 @@ impl BackgroundJobs {
         let disk = Arc::clone(&store.disk);
         let (diagnosis_progress, measurement_progress) =
             (SharedProgress::default(), SharedProgress::default());
-        let commissioning_progress = SharedProgress::default();
+        let (commissioning_progress, study_progress) = (SharedProgress::default(), SharedProgress::default());
         let (partial, partial_campaign) = (PartialVerification::default(), PartialCampaign::default());
         Self {
             design: design_worker(wake),
@@ -167,6 +178,7 @@ impl BackgroundJobs {
             }),
             diagnose: diagnosis_worker(wake, &diagnosis_progress),
             commission: commissioning_worker(wake, &commissioning_progress),
+            study: study_worker(wake, &study_progress),
             replay: BackgroundWorker::new(Arc::clone(wake), |request: ReplayRequest, token: &CancelToken| {
                 replay_files(&request, token)
             }),
@@ -194,9 +206,12 @@ impl BackgroundJobs {
             partial,
             partial_campaign,
             commissioning: None,
+            studies: BTreeMap::new(),
+            asked_study: StudyKind::Search,
             diagnosis_progress,
             measurement_progress,
             commissioning_progress,
+            study_progress,
         }
     }
 
@@ -210,6 +225,7 @@ impl BackgroundJobs {
         self.report.cancel();
         self.diagnose.cancel();
         self.commission.cancel();
+        self.study.cancel();
         self.replay.cancel();
         self.overlay_runs.cancel();
     }
@@ -224,6 +240,7 @@ impl BackgroundJobs {
             || self.report.is_pending()
             || self.diagnose.is_pending()
             || self.commission.is_pending()
+            || self.study.is_pending()
             || self.replay.is_pending()
     }
 
@@ -250,6 +267,11 @@ impl BackgroundJobs {
     /// Returns how far the round of a commissioning is, in words.
     pub fn commissioning_progress(&self) -> String {
         self.commissioning_progress.last_message()
+    }
+
+    /// Returns how far the study is, in words.
+    pub fn study_progress(&self) -> String {
+        self.study_progress.last_message()
     }
 
     /// Returns how far the measurement is, in words.
@@ -279,6 +301,7 @@ impl BackgroundJobs {
         self.overlays.cancel();
         (self.recording_views, self.diagnosis, self.diagnosed_plant) = (None, None, None);
         self.commissioning = None;
+        self.studies.clear();
         self.recordings.clear();
     }
 

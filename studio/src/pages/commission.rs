@@ -73,22 +73,14 @@ fn show_inputs(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>) {
     ui.add(field).labelled_by(folder.id).on_hover_text("in the folder of the project");
     widgets::show_heading(ui, "The machine must not pass");
     egui::Grid::new("limits").num_columns(3).show(ui, |ui| {
-        show_limit(ui, &theme, "angle from the start", "rad", &mut inputs.angle_rad);
-        show_limit(ui, &theme, "rate", "rad/s", &mut inputs.rate_rad_s);
-        show_limit(ui, &theme, "current (0: no limit)", "A", &mut inputs.current_a);
-        show_limit(ui, &theme, "duration of an experiment", "s", &mut inputs.duration_s);
+        widgets::limit_field(ui, &theme, "angle from the start", "rad", &mut inputs.angle_rad);
+        widgets::limit_field(ui, &theme, "rate", "rad/s", &mut inputs.rate_rad_s);
+        widgets::limit_field(ui, &theme, "current (0: no limit)", "A", &mut inputs.current_a);
+        widgets::limit_field(ui, &theme, "duration of an experiment", "s", &mut inputs.duration_s);
     });
     if inputs != view.commissioning {
         queue.push(Command::SetCommissioning { inputs });
     }
-}
-
-fn show_limit(ui: &mut Ui, theme: &WindowTheme, name: &str, unit: &str, value: &mut f64) {
-    let label = ui.label(RichText::new(name).color(theme.weak));
-    let edited = widgets::edit_number(ui, *value, label.id, name);
-    *value = edited.changed.map_or(*value, |changed| changed.max(0.0));
-    ui.label(RichText::new(unit).small().color(theme.weak));
-    ui.end_row();
 }
 
 fn show_buttons(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {

@@ -14,7 +14,7 @@
 //! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`plot_tiles`], [`design`], [`plot_handles`], [`edge_grips`], [`weight_plot`], [`design_charts`],
 //! [`loop_charts`], [`requirement_values`], [`requirement_bounds`], [`requirement_strip`], [`design_figures`], [`kept_designs`], [`design_history`], [`verify`],
 //! [`verify_charts`], [`measurements`], [`diagnose`], [`recording_mapping`], [`recording_charts`], [`recording_cross_plot`], [`findings`], [`commission`],
-//! [`round_charts`], [`project_text`], [`text_colours`].
+//! [`round_charts`], [`studies`], [`report_view`], [`project_text`], [`text_colours`].
 
 pub mod beam_drawing;
 pub mod commission;
@@ -41,11 +41,13 @@ pub mod recording_charts;
 pub mod recording_cross_plot;
 pub mod recording_mapping;
 pub mod reduce;
+pub mod report_view;
 pub mod requirement_bounds;
 pub mod requirement_strip;
 pub mod requirement_values;
 pub mod round_charts;
 pub mod schematic;
+pub mod studies;
 pub mod text_colours;
 pub mod verify;
 pub mod verify_charts;

@@ -186,6 +186,15 @@ pub fn figure_name_layout(figure: &str, theme: &WindowTheme) -> egui::text::Layo
     job
 }
 
+/// Shows a row of a grid with a limit that may be edited: its name, its value, which is not negative, and its unit.
+pub fn limit_field(ui: &mut Ui, theme: &WindowTheme, name: &str, unit: &str, value: &mut f64) {
+    let label = ui.label(RichText::new(name).color(theme.weak));
+    let edited = edit_number(ui, *value, label.id, name);
+    *value = edited.changed.map_or(*value, |changed| changed.max(0.0));
+    ui.label(RichText::new(unit).small().color(theme.weak));
+    ui.end_row();
+}
+
 /// Shows what to do while there is nothing to show.
 pub fn show_placeholder(ui: &mut Ui, theme: &WindowTheme, title: &str, text: &str) {
     ui.add_space(ui.available_height() * 0.3);

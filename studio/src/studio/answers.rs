@@ -50,6 +50,7 @@ impl Studio {
         self.take_export();
         self.take_report();
         self.take_rounds();
+        self.take_study();
         let had_recordings = !self.jobs.recordings.is_empty();
         if self.jobs.take_diagnosis() == DiagnosisNews::Ended {
             self.replay_recordings();

@@ -1,7 +1,7 @@
 //! The studio: it carries out commands.
 //!
 //! Modules in reading order: `file_commands` (projects opened and saved), `closing`, `work_commands` (everything that is computed),
-//! `history_commands` (designs kept with a name), `overlays` (designs drawn over the current one), `commissioning_commands` (rounds on a machine),
+//! `history_commands` (designs kept with a name), `overlays` (designs drawn over the current one), `commissioning_commands` (rounds on a machine), `study_commands` (searches, comparisons and experiments),
 //! `settings_commands` (what is remembered), `event_loop` (what the studio does by
 //! itself in each frame), `answers` (what the workers found).
 
@@ -13,6 +13,7 @@ mod file_commands;
 mod history_commands;
 mod overlays;
 mod settings_commands;
+mod study_commands;
 mod work_commands;
 
 pub use history_commands::rate_figures;
@@ -206,6 +207,9 @@ impl Studio {
             Command::ReadRounds => self.read_rounds(),
             Command::RunRound => self.run_round(),
             Command::AcceptRound => self.accept_round(),
+            Command::RunStudy { study } => self.run_study(*study),
+            Command::RunShownStudy => self.run_study(self.view.study),
+            Command::TakeProposal { number } => self.take_proposal(*number),
             _ => {}
         }
     }
