@@ -14,6 +14,7 @@ use counterpoise_studio::command::{
 };
 use counterpoise_studio::frame_log::FrameLog;
 use counterpoise_studio::offscreen::OffscreenStudio;
+use counterpoise_studio::study_inputs::StudyKind;
 use paint::Painter;
 
 /// Size of most pictures, and the foot of the window with its times, which is cut off.
@@ -100,6 +101,7 @@ fn sittings(scratch: &Path) -> Vec<Sitting> {
     vec![
         Sitting { size: SIZE, project: Some("reference-rig"), shots: pages_of_the_rig() },
         Sitting { size: SIZE, project: Some("left-out-friction"), shots: recordings(scratch) },
+        Sitting { size: SIZE, project: Some("servo-pendulum"), shots: studies() },
         Sitting { size: SIZE, project: None, shots: first_steps(scratch) },
         Sitting {
             size: LARGE,
@@ -177,6 +179,11 @@ fn recordings(scratch: &Path) -> Vec<(&'static str, Vec<Command>)> {
         ("studio-diagnose", vec![Command::ShowDiagnosis { tab: DiagnosisTab::Errors }]),
         ("studio-findings", vec![Command::Diagnose, Command::ShowDiagnosis { tab: DiagnosisTab::Findings }]),
     ]
+}
+
+fn studies() -> Vec<(&'static str, Vec<Command>)> {
+    let run = |study: StudyKind| vec![Command::RunStudy { study }];
+    vec![("studio-search", run(StudyKind::Search)), ("studio-compare", run(StudyKind::Compare))]
 }
 
 fn first_steps(scratch: &Path) -> Vec<(&'static str, Vec<Command>)> {

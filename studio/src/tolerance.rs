@@ -41,3 +41,7 @@ pub(crate) const SMALLEST_SENSITIVITY_LIMIT: f64 = 1.01;
 
 /// Largest distance of a click from the point of a design, as a share of the plot: about the size of a fingertip on a usual screen.
 pub(crate) const CLICK_REACH: f64 = 0.04;
+
+/// Points of a curve from which on those of one pixel column may be drawn as a band: about as many as a plot is wide in pixels. With fewer the band would
+/// fill the corner of two steep lines.
+pub(crate) const FEWEST_BAND_POINTS: usize = 600;

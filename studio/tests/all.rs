@@ -22,5 +22,6 @@ mod requirement_limits;
 mod same_recordings;
 mod save_kills;
 mod slow_disk;
+mod studies;
 mod trust;
 mod user_actions;

@@ -45,7 +45,7 @@ fn tab_order(bench: &mut StudioHarness) -> BTreeSet<String> {
 }
 
 /// The controls of each page by which Tab has to come.
-const WANTED: [(Page, &[&str]); 7] = [
+const WANTED: [(Page, &[&str]); 8] = [
     (Page::Plant, &["File", "gearbox", "mode 1", "hub inertia"]),
     (Page::Reduce, &["balanced", "none"]),
     (
@@ -63,6 +63,7 @@ const WANTED: [(Page, &[&str]); 7] = [
     (Page::Diagnose, &["Add\u{2026}", "column of the hub rate"]),
     (Page::Text, &["Find", "text of the project"]),
     (Page::Commission, &["program", "folder of the rounds", "rate", "Read again"]),
+    (Page::Studies, &["Search designs", "Plan an experiment", "Run"]),
 ];
 
 #[test]

@@ -264,6 +264,7 @@ fn a_project_without_a_controller_is_an_ordinary_one() {
             Page::Diagnose => assert!(says(&bench, "No recordings yet")),
             Page::Commission => assert!(says(&bench, "No round yet")),
             Page::Text => assert!(says(&bench, "No errors")),
+            Page::Studies => assert!(says(&bench, "Not made yet")),
         }
     }
     drop(bench);

@@ -78,8 +78,17 @@ pub struct VerticalMark {
 pub struct LabelledPoint {
     /// Coordinates.
     pub at: [f64; 2],
-    /// Label.
+    /// Label; it may be empty.
     pub label: String,
+    /// Colour; `None` for the accent of the theme.
+    pub colour: Option<Color32>,
+}
+
+impl LabelledPoint {
+    /// Returns a point in the accent of the theme.
+    pub fn new(at: [f64; 2], label: impl Into<String>) -> Self {
+        Self { at, label: label.into(), colour: None }
+    }
 }
 
 /// The side of a limit on which the curve must not be.

@@ -47,7 +47,7 @@ pub fn chart_to_figure(chart: &Chart) -> Figure {
         x: spot.at[0],
         y: spot.at[1],
         text: spot.label.clone(),
-        colour: Colour::First,
+        colour: spot.colour.map_or(Colour::First, colour),
     });
     let marks = levels.chain(instants).chain(bounds).chain(spots).collect();
     let panel = Panel::new(axis(chart, PlotAxis::Y), series).with_height(HEIGHT).with_marks(marks);
@@ -91,7 +91,7 @@ mod tests {
             .with_curve("kept", DARK.weak, LineDash::Dotted, points);
         chart.scales = [AxisScale::Log; 2];
         chart.add_mark(10.0, "first mode");
-        chart.spots.push(super::super::chart::LabelledPoint { at: [100.0, 0.01], label: "peak".to_owned() });
+        chart.spots.push(super::super::chart::LabelledPoint::new([100.0, 0.01], "peak"));
         let text = chart_svg(&chart);
         let words =
             ["Loop &lt;gain&gt;", "frequency, Hz", "modulus, dB", ">L<", ">kept<", ">first mode<", ">peak<"];

@@ -12,6 +12,7 @@ use super::line_simplification::simplify_line;
 use super::plot_labels::draw_labels;
 use super::plot_limits::PlotLimits;
 use crate::theme::WindowTheme;
+use crate::tolerance::FEWEST_BAND_POINTS;
 
 /// Margin of the card around a plot, both sides together, points.
 const CARD_MARGIN: f32 = 18.0;
@@ -214,7 +215,8 @@ fn draw_line<'a>(
     if curve.dash != LineDash::Solid && pixels_per_unit.iter().all(|v| v.is_finite()) {
         points = simplify_line(&points, pixels_per_unit);
     }
-    let line = Line::new(&curve.name, PlotPoints::from(points));
+    let is_dense = points.len() > FEWEST_BAND_POINTS;
+    let line = Line::new(&curve.name, PlotPoints::from(points)).allow_band(is_dense);
     plot.line(line.color(curve.colour).width(1.6).style(style));
 }
 
@@ -223,7 +225,7 @@ fn draw_spots(plot: &mut egui_plot::PlotUi<'_>, chart: &Chart, theme: &WindowThe
         let place =
             [chart.plot_coordinate(PlotAxis::X, spot.at[0]), chart.plot_coordinate(PlotAxis::Y, spot.at[1])];
         let point = egui_plot::Points::new("", vec![place]);
-        plot.points(point.color(theme.accent).radius(4.5).allow_hover(false));
+        plot.points(point.color(spot.colour.unwrap_or(theme.accent)).radius(4.5).allow_hover(false));
     }
 }
 

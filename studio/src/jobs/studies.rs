@@ -61,7 +61,9 @@ pub struct StudyRequest {
 /// A project that a study proposes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyProposal {
-    /// What it is.
+    /// Kind of the proposal; those of one kind follow each other.
+    pub group: String,
+    /// What it is among those of its kind.
     pub name: String,
     /// The text of the project file with it.
     pub text: String,
@@ -153,9 +155,9 @@ impl StudyGround<'_> {
         ReportOrigin { command: format!("{}{option}", self.command(verb)), project }
     }
 
-    fn propose(&self, name: String, project: &Project) -> Option<StudyProposal> {
+    fn propose(&self, group: &str, name: String, project: &Project) -> Option<StudyProposal> {
         let updated = project.update(&self.loaded.document, &self.loaded.stated).ok()?;
-        Some(StudyProposal { name, text: updated.text().to_owned() })
+        Some(StudyProposal { group: group.to_owned(), name, text: updated.text().to_owned() })
     }
 }
 
@@ -201,8 +203,8 @@ fn search_front(ground: &StudyGround, options: &FrontOptions) -> Result<StudyRes
     let found = project_front(&project, options, &ground.world).map_err(refused)?;
     let text = FrontText::from(&found);
     let propose = |number: usize| {
-        let name = format!("design {number}, {}", text.designs.get(number - 1)?.kind);
-        ground.propose(name, &project_with_point(&project, &found, number)?)
+        let kind = &text.designs.get(number - 1)?.kind;
+        ground.propose(kind, format!("design {number}"), &project_with_point(&project, &found, number)?)
     };
     let proposals = (1..=found.points.len()).map(propose).collect::<Option<Vec<_>>>();
     Ok(StudyResult {
@@ -238,13 +240,13 @@ fn search_for_requirements(
     let identity = ProjectIdentity::of(project, &ground.world.folder);
     let report = trade_off_report(&identity, &found, &points, &ground.origin("synth", " --search"));
     let name_of = |point: &JudgedWeights| match point.ms_limit {
-        Some(limit) => format!("weights under Ms {limit:.2}"),
-        None => "weights of the answer".to_owned(),
+        Some(limit) => format!("under Ms {limit:.2}"),
+        None => "of the answer".to_owned(),
     };
     let mut proposals: Vec<StudyProposal> =
-        judged.iter().filter_map(|point| ground.propose(name_of(point), &point.project)).collect();
+        judged.iter().filter_map(|point| ground.propose("weights", name_of(point), &point.project)).collect();
     if proposals.is_empty() {
-        proposals.extend(ground.propose("weights of the answer".to_owned(), &found.project));
+        proposals.extend(ground.propose("weights", "of the answer".to_owned(), &found.project));
     }
     Ok(StudyResult { proposals, ..plain_result(StudyKind::Search, report) })
 }
@@ -298,7 +300,7 @@ fn identify_values(request: &StudyRequest, pool: &CancellablePool) -> Result<Stu
     let text = describe_identified_recordings(&found);
     let report = identification_report(ground.name(), &ground.command("identify"), &text, &found.units);
     let improved = Project { plant: found.improved.clone(), ..ground.loaded.project.clone() };
-    let proposals = ground.propose("the identified values".to_owned(), &improved);
+    let proposals = ground.propose("plant", "the identified values".to_owned(), &improved);
     Ok(StudyResult {
         proposals: proposals.into_iter().collect(),
         ..plain_result(StudyKind::Identify, report)

@@ -96,7 +96,7 @@ pub fn effort_chart(view: &StudioView, effort: Option<&VersionedResult<Vec<Effor
     let mut line: Vec<[f64; 2]> = points.iter().map(at).collect();
     line.sort_by(|a, b| a[0].total_cmp(&b[0]));
     if let Some(now) = points.iter().find(|p| p.factor == 1.0) {
-        chart.spots.push(LabelledPoint { at: at(now), label: "now".to_owned() });
+        chart.spots.push(LabelledPoint::new(at(now), "now"));
     }
     for axis in 0..2 {
         let values = line.iter().map(|p| p[axis]);

@@ -126,9 +126,10 @@ fn label_margins(plane: &LoopPlane, of: fn(&PlaneCurve) -> &ChartPoints) -> Vec<
         MarginKind::Gain => format!("{:.1} dB", margin.size),
         MarginKind::Phase => format!("{:.0}\u{b0}", margin.size),
     };
-    let points = plane.margins.iter().flat_map(|margin| {
-        of(&margin.place).iter().map(move |at| LabelledPoint { at: *at, label: label(margin) })
-    });
+    let points = plane
+        .margins
+        .iter()
+        .flat_map(|margin| of(&margin.place).iter().map(move |at| LabelledPoint::new(*at, label(margin))));
     points.collect()
 }
 
@@ -168,7 +169,7 @@ fn nyquist_chart(view: &StudioView, plane: &LoopPlane) -> Chart {
     }
     chart = chart.with_path("L", theme.curves[0], LineDash::Solid, plane.path.nyquist.clone());
     chart.spots.extend(label_margins(plane, |curve| &curve.nyquist));
-    chart.spots.push(LabelledPoint { at: [-1.0, 0.0], label: "-1".to_owned() });
+    chart.spots.push(LabelledPoint::new([-1.0, 0.0], "-1"));
     chart.range = NYQUIST.map(Some);
     chart
 }

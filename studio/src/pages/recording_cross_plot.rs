@@ -198,10 +198,8 @@ fn cross_chart(view: &mut StudioView, shown: &ShownChannels, source: &str, time:
     }
     if let Some(at) = time.and_then(|time| sample_at(shown, time)) {
         let at = [units[0].factor * at[0], units[1].factor * at[1]];
-        chart.spots.push(LabelledPoint {
-            at,
-            label: time.map_or(String::new(), |t| format!("{} s", format_short(t))),
-        });
+        let label = time.map_or(String::new(), |t| format!("{} s", format_short(t)));
+        chart.spots.push(LabelledPoint::new(at, label));
     }
     chart
 }

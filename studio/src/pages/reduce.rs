@@ -205,7 +205,7 @@ fn hankel_chart(view: &StudioView, plant: &PlantPreview, comparison: &ReductionC
     chart.scales[1] = AxisScale::Log;
     let values = comparison.hankel.iter().enumerate();
     let points: Vec<[f64; 2]> = values.map(|(k, v)| [(k + 1) as f64, v.max(SMALLEST_VALUE)]).collect();
-    chart.spots = points.iter().map(|p| LabelledPoint { at: *p, label: String::new() }).collect();
+    chart.spots = points.iter().map(|p| LabelledPoint::new(*p, "")).collect();
     chart.range[0] = Some((0.5, points.len().max(1) as f64 + 0.5));
     chart = chart.with_curve("", view.theme.curves[0], LineDash::Solid, points);
     chart.add_mark(plant.reduced.system.order() as f64 + 0.5, "kept to here");

@@ -1,6 +1,8 @@
 //! A report in the window: what the page of the command line says, with its figures as plots.
 
-use counterpoise_plot::{Axis, Content, Dash, Figure, Mark, Panel, Scale, Series};
+use std::borrow::Cow;
+
+use counterpoise_plot::{Axis, Colour, Content, Dash, Figure, Mark, Panel, Scale, Series};
 use counterpoise_report::page::{FigureTile, Headline, OutcomeTone, ReportSection, ReportTable};
 use counterpoise_report::{Report, ReportCell, ReportColumn};
 use egui::{Color32, Rect, RichText, Ui, vec2};
@@ -78,9 +80,9 @@ fn tone_colour(theme: &WindowTheme, tone: OutcomeTone) -> Color32 {
 }
 
 fn show_headline(ui: &mut Ui, theme: &WindowTheme, headline: &Headline) {
-    ui.label(RichText::new(&headline.text).heading().color(tone_colour(theme, headline.tone)));
+    ui.label(RichText::new(plain_text(&headline.text)).heading().color(tone_colour(theme, headline.tone)));
     if !headline.detail.is_empty() {
-        ui.label(RichText::new(&headline.detail).color(theme.weak));
+        ui.label(RichText::new(plain_text(&headline.detail)).color(theme.weak));
     }
     ui.add_space(space::SMALL);
 }
@@ -90,11 +92,13 @@ fn show_tiles(ui: &mut Ui, theme: &WindowTheme, tiles: &[FigureTile]) {
         for tile in tiles {
             theme.card().show(ui, |ui| {
                 ui.vertical(|ui| {
-                    ui.label(RichText::new(&tile.label).small().color(theme.weak));
+                    ui.label(RichText::new(plain_text(&tile.label)).small().color(theme.weak));
                     let value = format!("{} {}", tile.value, tile.unit);
-                    ui.label(RichText::new(value.trim()).strong().color(tone_colour(theme, tile.tone)));
+                    ui.label(
+                        RichText::new(plain_text(value.trim())).strong().color(tone_colour(theme, tile.tone)),
+                    );
                     if !tile.note.is_empty() {
-                        ui.label(RichText::new(&tile.note).small().color(theme.weak));
+                        ui.label(RichText::new(plain_text(&tile.note)).small().color(theme.weak));
                     }
                 });
             });
@@ -115,12 +119,12 @@ fn show_section(
     if is_empty {
         return;
     }
-    let header = RichText::new(&section.heading).strong();
+    let header = RichText::new(plain_text(&section.heading)).strong();
     egui::CollapsingHeader::new(header).id_salt((&section.heading, index)).default_open(true).show(
         ui,
         |ui| {
             for text in &section.text {
-                ui.add(egui::Label::new(text).wrap());
+                ui.add(egui::Label::new(plain_text(text)).wrap());
             }
             show_figures(ui, view, queue, &section.figures);
             for (k, table) in section.tables.iter().enumerate() {
@@ -137,14 +141,14 @@ fn show_table(ui: &mut Ui, theme: &WindowTheme, table: &ReportTable, id: &str) {
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
         if !table.caption.is_empty() {
-            ui.label(RichText::new(&table.caption).strong());
+            ui.label(RichText::new(plain_text(&table.caption)).strong());
         }
         egui::ScrollArea::horizontal().id_salt((id, "scroll")).show(ui, |ui| {
             let grid = egui::Grid::new((id, "table")).num_columns(table.columns.len()).striped(true);
             grid.spacing([14.0, 3.0]).show(ui, |ui| {
                 for column in &table.columns {
                     let (ReportColumn::Text(name) | ReportColumn::Number(name)) = column;
-                    ui.label(RichText::new(*name).small().color(theme.weak));
+                    ui.label(RichText::new(plain_text(name)).small().color(theme.weak));
                 }
                 ui.end_row();
                 for row in &table.rows {
@@ -166,7 +170,7 @@ fn show_cell(ui: &mut Ui, theme: &WindowTheme, column: ReportColumn, cell: &Repo
             (text, tone_colour(theme, *tone))
         }
     };
-    let label = RichText::new(text).color(colour);
+    let label = RichText::new(plain_text(text)).color(colour);
     match column {
         ReportColumn::Number(_) => {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| ui.label(label));
@@ -253,7 +257,7 @@ fn figure_charts(theme: &WindowTheme, figure: &Figure) -> Vec<Chart> {
 }
 
 fn panel_chart(theme: &WindowTheme, title: &str, x: &Axis, panel: &Panel) -> Chart {
-    let mut chart = Chart::new(title, &x.text(), &panel.y.text());
+    let mut chart = Chart::new(&plain_text(title), &plain_text(&x.text()), &plain_text(&panel.y.text()));
     chart.scales = [scale_of(x), scale_of(&panel.y)];
     chart.range = [x.range, panel.y.range];
     for series in &panel.series {
@@ -261,11 +265,16 @@ fn panel_chart(theme: &WindowTheme, title: &str, x: &Axis, panel: &Panel) -> Cha
     }
     for mark in &panel.marks {
         match mark {
-            Mark::Point { x, y, text, .. } | Mark::Cross { x, y, text, .. } => {
-                chart.spots.push(LabelledPoint { at: [*x, *y], label: text.clone() });
+            Mark::Point { x, y, text, colour } | Mark::Cross { x, y, text, colour } => {
+                let colour = Some(window_colour(theme, *colour));
+                chart.spots.push(LabelledPoint {
+                    at: [*x, *y],
+                    label: plain_text(text).into_owned(),
+                    colour,
+                });
             }
             Mark::Level { y, .. } => chart.levels.push(*y),
-            Mark::Instant { x, text } => chart.add_mark(*x, text.clone()),
+            Mark::Instant { x, text } => chart.add_mark(*x, plain_text(text)),
         }
     }
     chart
@@ -279,25 +288,56 @@ fn scale_of(axis: &Axis) -> AxisScale {
 }
 
 fn add_series(chart: Chart, theme: &WindowTheme, series: &Series) -> Chart {
-    let place = counterpoise_plot::Colour::CYCLE.iter().position(|colour| *colour == series.colour);
-    let colour = place.map_or(theme.weak, |place| match theme.curves.get(place) {
-        Some(colour) => *colour,
-        None => theme.overlays[place % theme.overlays.len()],
-    });
+    let colour = window_colour(theme, series.colour);
     let dash = match series.dash {
         Dash::Solid => LineDash::Solid,
         Dash::Dashed => LineDash::Dashed,
         Dash::Dotted => LineDash::Dotted,
     };
-    let points = series.points.rows().into_iter().map(|row| [row[0], row[1]]).collect();
-    chart.with_path(&series.name, colour, dash, points)
+    let points: Vec<[f64; 2]> = series.points.rows().into_iter().map(|row| [row[0], row[1]]).collect();
+    match points.windows(2).all(|pair| pair[0][0] <= pair[1][0]) {
+        true => chart.with_curve(&plain_text(&series.name), colour, dash, points),
+        false => chart.with_path(&plain_text(&series.name), colour, dash, points),
+    }
+}
+
+/// Returns a report's text in the letters of the window's font: exponents of ten stand behind a circumflex.
+fn plain_text(text: &str) -> Cow<'_, str> {
+    if !text.contains(|letter| plain_superscript(letter).is_some()) {
+        return Cow::Borrowed(text);
+    }
+    let mut plain = String::with_capacity(text.len() + 1);
+    let mut is_raised = false;
+    for letter in text.chars() {
+        let raised = plain_superscript(letter);
+        if raised.is_some() && !is_raised {
+            plain.push('^');
+        }
+        is_raised = raised.is_some();
+        plain.push(raised.unwrap_or(letter));
+    }
+    Cow::Owned(plain)
+}
+
+/// Returns the plain form of a raised digit or sign; `None` for another letter.
+fn plain_superscript(letter: char) -> Option<char> {
+    const RAISED: &str = "\u{2070}\u{b9}\u{b2}\u{b3}\u{2074}\u{2075}\u{2076}\u{2077}\u{2078}\u{2079}\u{207b}";
+    RAISED.chars().position(|one| one == letter).and_then(|place| "0123456789-".chars().nth(place))
+}
+
+/// Returns the window's colour for one of a report.
+fn window_colour(theme: &WindowTheme, colour: Colour) -> Color32 {
+    let place = Colour::CYCLE.iter().position(|one| *one == colour);
+    place.map_or(theme.weak, |place| match theme.curves.get(place) {
+        Some(colour) => *colour,
+        None => theme.overlays[place % theme.overlays.len()],
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::theme::DARK;
-    use counterpoise_plot::Colour;
 
     #[test]
     fn every_panel_becomes_a_plot_with_its_curves_and_marks() {
@@ -313,6 +353,12 @@ mod tests {
         assert_eq!(chart.scales, [AxisScale::Log, AxisScale::Linear]);
         assert_eq!((chart.curves[0].colour, chart.curves[0].dash), (DARK.curves[1], LineDash::Dashed));
         assert_eq!(chart.spots[0].at, [1.0, 2.0]);
+    }
+
+    #[test]
+    fn exponents_stand_behind_a_circumflex() {
+        assert_eq!(plain_text("3.2\u{b7}10\u{207b}\u{2075} rad"), "3.2\u{b7}10^-5 rad");
+        assert_eq!(plain_text("m/s"), "m/s");
     }
 
     #[test]

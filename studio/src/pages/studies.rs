@@ -214,14 +214,22 @@ fn show_proposals(
     }
     let hint = if found.places.is_empty() { "" } else { ": a click on its point in a plot, or" };
     ui.label(RichText::new(format!("Take into the project{hint}")).color(theme.weak));
-    ui.horizontal_wrapped(|ui| {
-        for (k, proposal) in found.proposals.iter().enumerate() {
-            let button = egui::Button::new(&proposal.name).small();
-            let shown = ui.add_enabled(is_current, button).on_hover_text("one step that can be undone");
-            if shown.clicked() {
-                queue.push(Command::TakeProposal { number: k + 1 });
+    let mut number = 0;
+    for group in found.proposals.chunk_by(|a, b| a.group == b.group) {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(RichText::new(&group[0].group).small());
+            for proposal in group {
+                number += 1;
+                let text = proposal.name.trim_start_matches("design ");
+                let button = egui::Button::new(text).small();
+                let shown = ui.add_enabled(is_current, button);
+                let name = format!("take {}, {}", proposal.group, proposal.name);
+                shown.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, is_current, &name));
+                if shown.on_hover_text("one step that can be undone").clicked() {
+                    queue.push(Command::TakeProposal { number });
+                }
             }
-        }
-    });
+        });
+    }
     ui.add_space(space::SMALL);
 }

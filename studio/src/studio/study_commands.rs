@@ -58,7 +58,7 @@ impl Studio {
         let proposals = found.value.as_ref().map(|found| found.proposals.as_slice()).unwrap_or_default();
         match number.checked_sub(1).and_then(|place| proposals.get(place)) {
             Some(proposal) => {
-                let (name, text) = (proposal.name.clone(), proposal.text.clone());
+                let (name, text) = (format!("{}, {}", proposal.group, proposal.name), proposal.text.clone());
                 self.run(&Command::Replace { text });
                 self.view.show_message(format!("{name}: in the project (Ctrl+Z undoes this)"));
             }
