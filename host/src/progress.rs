@@ -25,6 +25,13 @@ impl SharedProgress {
         self.0.lock().map(|said| said.text.clone()).unwrap_or_default()
     }
 
+    /// Begins a job: nothing is said of it yet, and its time left counts from now.
+    pub fn begin(&self) {
+        if let Ok(mut said) = self.0.lock() {
+            *said = LastMessage::default();
+        }
+    }
+
     /// Says how far it is.
     pub fn say(&self, text: String) {
         if let Ok(mut said) = self.0.lock() {

@@ -1,4 +1,4 @@
-//! The time that a diagnosis still takes, from its progress and the time that it took so far.
+//! The time that a diagnosis, or a study of designs, still takes, from its progress and the time that it took so far.
 
 use crate::tolerance::EXTRAPOLATED_FROM_SHARE;
 use std::time::{Duration, Instant};
@@ -15,6 +15,8 @@ const ROUND: [(&str, [f64; 2]); 7] = [
     ("comparing", [0.83, 0.93]),
     ("validating", [0.93, 1.0]),
 ];
+/// Stages that are all of their work.
+const WHOLE: [&str; 2] = ["searching", "comparing designs"];
 /// The stage that begins a further round once an effect is found.
 const NEXT_ROUND: &str = "naming";
 
@@ -42,6 +44,10 @@ impl RemainingTime {
             return;
         }
         let part = (done as f64 / of.max(1) as f64).clamp(0.0, 1.0);
+        if WHOLE.contains(&stage) {
+            self.share = part;
+            return;
+        }
         let Some((_, [from, to])) = ROUND.iter().find(|(name, _)| *name == stage) else { return };
         let share = (self.rounds as f64 + from + part * (to - from)) / (self.rounds + 1) as f64;
         // candidates are fitted more than once in a round: what was done is not taken back
@@ -98,6 +104,15 @@ mod tests {
             }
             assert!((before - 1.0).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_stage_that_is_all_of_its_work_has_its_own_share() {
+        let mut left = RemainingTime::default();
+        left.update("searching", 30, 120);
+        assert_eq!(left.share(), 0.25);
+        let remaining = left.remaining_after(Duration::from_secs(2));
+        assert_eq!(remaining, Some(Duration::from_secs(6)));
     }
 
     #[test]

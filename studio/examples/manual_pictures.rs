@@ -182,8 +182,7 @@ fn recordings(scratch: &Path) -> Vec<(&'static str, Vec<Command>)> {
 }
 
 fn studies() -> Vec<(&'static str, Vec<Command>)> {
-    let run = |study: StudyKind| vec![Command::RunStudy { study }];
-    vec![("studio-search", run(StudyKind::Search)), ("studio-compare", run(StudyKind::Compare))]
+    vec![("studio-search", vec![Command::RunStudy { study: StudyKind::Search }])]
 }
 
 fn first_steps(scratch: &Path) -> Vec<(&'static str, Vec<Command>)> {

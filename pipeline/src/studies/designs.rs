@@ -270,15 +270,20 @@ pub fn design_table(
     limits.extend(asked.options.tuning.iter().map(|tuning| tuning.limits));
     limits.extend(request.further.iter().map(|limits| LoopLimits { decay_rad_s, ..*limits }));
     let weights = [three_part(&asked)];
+    let count = rows.len() + limits.len() * (structures().len() + weights.len() + 1);
+    let report = |rows: &[DesignRow]| world.pool().progress("comparing designs", rows.len(), count);
     for limits in limits {
         for (name, structure) in structures() {
+            report(&rows);
             let subject = TuningSubject::Structure(&structure);
             rows.push(builder.tuned_row(name, subject, &TuningOptions { limits, ..wanted.clone() }));
         }
+        report(&rows);
         rows.extend(weights.iter().map(|from| {
             let subject = TuningSubject::Weights(from);
             builder.tuned_row(TUNED_WEIGHTS, subject, &TuningOptions { limits, ..wanted.clone() })
         }));
+        report(&rows);
         rows.push(builder.best_loop_row(limits, &wanted));
     }
     let controlled = project.plant.controlled_quantity();

@@ -1,6 +1,7 @@
 //! The front of a project's designs: the kinds that may stand in the place of its feedback, each with the designs of which none is better than another in
 //! every objective, on the same plant and for the same motion; and the project with one of them.
 
+use counterpoise_pool::Pool;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::fixed_structure::{TuningObjective, TuningOptions};
 use counterpoise_project::resolve::front::FrontOptions;
@@ -230,6 +231,31 @@ fn put_feedback_in_place(feedback: &TunedFeedback, synthesis: &mut DesignRequest
     synthesis.specification.reference = Reference::Error;
 }
 
+/// The processors for one of several kinds of designs, whose progress is a part of that of all.
+struct KindPool<'a> {
+    pool: &'a dyn Pool,
+    place: usize,
+    count: usize,
+}
+
+impl Pool for KindPool<'_> {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        self.pool.run(count, job);
+    }
+
+    fn processors(&self) -> usize {
+        self.pool.processors()
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.pool.is_cancelled()
+    }
+
+    fn progress(&self, stage: &str, done: usize, of: usize) {
+        self.pool.progress(stage, self.place * of + done, self.count * of);
+    }
+}
+
 /// The kinds of a front and their designs, before they are compared.
 struct KindFronts {
     kinds: Vec<FrontKind>,
@@ -288,10 +314,14 @@ impl FrontStage<'_> {
     fn search_kinds(&self, options: &FrontOptions) -> Result<KindFronts, PipelineError> {
         let from = three_part(self.asked);
         let (mut kinds, mut points) = (Vec::new(), Vec::new());
-        for (name, role, structure) in self.kinds() {
+        let all = self.kinds();
+        let count = all.len();
+        for (place, (name, role, structure)) in all.into_iter().enumerate() {
+            let pool = KindPool { pool: self.world.pool(), place, count };
             let subject = structure.as_ref().map_or(TuningSubject::Weights(&from), TuningSubject::Structure);
-            let found =
-                run_observed(self.world, PipelineStage::Synthesise, || self.kind_front(subject, options));
+            let found = run_observed(self.world, PipelineStage::Synthesise, || {
+                self.kind_front(subject, options, &pool)
+            });
             let (front, why) = match found {
                 Ok(front) => (front, None),
                 Err(PipelineError::Synth(why)) => {
@@ -322,12 +352,13 @@ impl FrontStage<'_> {
         &self,
         subject: TuningSubject<'_>,
         options: &FrontOptions,
+        pool: &KindPool<'_>,
     ) -> Result<DesignFront, PipelineError> {
         let mut plants = self.ground.plants.clone();
         let mut evaluations = 0;
         let mut round = 0;
         loop {
-            let mut found = self.search(subject, &plants, options)?;
+            let mut found = self.search(subject, &plants, options, pool)?;
             evaluations += found.evaluations;
             found.evaluations = evaluations;
             if self.ground.mechanisms.is_empty() {
@@ -349,6 +380,7 @@ impl FrontStage<'_> {
         subject: TuningSubject<'_>,
         plants: &[DesignPlant],
         options: &FrontOptions,
+        pool: &KindPool<'_>,
     ) -> Result<DesignFront, PipelineError> {
         let tuning = TuningTask {
             subject,
@@ -367,7 +399,7 @@ impl FrontStage<'_> {
             evaluations: options.evaluations,
             points: options.points,
         };
-        Ok(search_front(&task, self.world.pool())?)
+        Ok(search_front(&task, pool)?)
     }
 
     /// Measures the designs of a front on every mechanism of the sweep, and leaves out those that miss a limit there or are dominated; returns the

@@ -47,7 +47,7 @@ pub fn commissioning_worker(wake: &WakeWindow, progress: &SharedProgress) -> Com
     let (progress, own_wake) = (progress.clone(), Arc::clone(wake));
     BackgroundWorker::new(Arc::clone(wake), move |request: CommissioningRequest, token: &CancelToken| {
         let watch = CancellablePool { token, progress: &progress, wake: &own_wake };
-        watch.progress.say(String::new());
+        watch.progress.begin();
         let answer = match request {
             CommissioningRequest::Read { folder } => view_of(folder),
             CommissioningRequest::Run(setup) => run_round(setup, &watch),

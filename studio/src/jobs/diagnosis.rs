@@ -34,7 +34,7 @@ pub fn diagnosis_worker(wake: &WakeWindow, progress: &SharedProgress) -> Diagnos
     let (progress, own_wake) = (progress.clone(), Arc::clone(wake));
     BackgroundWorker::new(Arc::clone(wake), move |request: DiagnosisRequest, token: &CancelToken| {
         let watch = CancellablePool { token, progress: &progress, wake: &own_wake };
-        watch.progress.say(String::new());
+        watch.progress.begin();
         let files = projects::read_recordings(&request.paths).map_err(|error| vec![format!("{error:#}")])?;
         let refused = |error| vec![describe_recordings_error(&error)];
         let decided = with_recorded_design(&request.project, &ProjectFolder(request.folder.clone()))

@@ -73,7 +73,7 @@ pub fn measurement_worker(
     let (progress, own_wake, partial) = (progress.clone(), Arc::clone(wake), Arc::clone(partial));
     BackgroundWorker::new(Arc::clone(wake), move |request: MeasurementRequest, token: &CancelToken| {
         let watch = CancellablePool { token, progress: &progress, wake: &own_wake };
-        watch.progress.say(String::new());
+        watch.progress.begin();
         match &request {
             MeasurementRequest::Map(of) => MeasurementResult::Map(
                 measure_map(of, &watch).map(Box::new).map_err(|error| error_lines(&error)),

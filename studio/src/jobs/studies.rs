@@ -95,7 +95,7 @@ pub fn study_worker(wake: &WakeWindow, progress: &SharedProgress) -> StudyWorker
     let (progress, own_wake) = (progress.clone(), Arc::clone(wake));
     BackgroundWorker::new(Arc::clone(wake), move |request: StudyRequest, token: &CancelToken| {
         let pool = CancellablePool { token, progress: &progress, wake: &own_wake };
-        pool.progress.say(String::new());
+        pool.progress.begin();
         let made = make_study(&request, &pool);
         (request.kind, (!token.is_cancelled()).then(|| made.map(Arc::new)))
     })

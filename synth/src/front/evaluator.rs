@@ -43,6 +43,11 @@ impl<'a> Evaluator<'a> {
         Ok(Self { task, objectives, pool, grid_limits, idle })
     }
 
+    /// Says how many of some evaluations are done.
+    pub fn report_progress(&self, done: usize, of: usize) {
+        self.pool.progress("searching", done.min(of), of);
+    }
+
     /// Hands a job a problem that no other job uses meanwhile.
     ///
     /// # Errors

@@ -145,6 +145,7 @@ impl<'a> FrontSearch<'a> {
             Some(_) => self.evaluations += count,
             None => self.is_stopped = true,
         }
+        self.evaluator.report_progress(self.evaluations, self.task.evaluations);
         Ok(found)
     }
 
@@ -204,6 +205,7 @@ impl<'a> FrontSearch<'a> {
                 self.keep(&found);
                 self.refined.clone_from(&found);
                 self.admit(found);
+                self.evaluator.report_progress(self.evaluations, self.task.evaluations);
             }
             None => self.is_stopped = true,
         }
