@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
+use counterpoise_host::files::is_empty_place;
 use counterpoise_host::projects;
 
 include!(concat!(env!("OUT_DIR"), "/examples.rs"));
@@ -28,8 +29,7 @@ pub fn write_example(name: &str, folder: &Path) -> Result<Vec<PathBuf>> {
     if files.is_empty() {
         bail!("there is no example \"{name}\"; known are {}", example_names().join(", "));
     }
-    let is_empty = !folder.exists() || folder.read_dir().is_ok_and(|mut entries| entries.next().is_none());
-    ensure!(is_empty, "{} is not an empty folder; nothing was written", folder.display());
+    ensure!(is_empty_place(folder), "{} is not an empty folder; nothing was written", folder.display());
     files
         .into_iter()
         .map(|(path, bytes)| {

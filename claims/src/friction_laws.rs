@@ -9,7 +9,7 @@ use counterpoise_simulate::{Scenario, Signal, Simulator};
 use super::drawing::{ClaimCurve, frequency_axis, make_figure, make_panel};
 use super::explicit_solver::SlidingInertia;
 use super::{Claim, Criterion, TestedDesign};
-use crate::tolerance::LAWS_AGREE_DB;
+use crate::tolerance::{LAST_FACTOR_STEP, LAWS_AGREE_DB, LEAST_FACTOR};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use ndarray::{Array2, ArrayView1};
@@ -512,17 +512,15 @@ fn fit_factors(
     distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>,
 ) -> Result<FitResult, PipelineError> {
     const FIRST_STEP: f64 = 4.0;
-    const LAST_STEP: f64 = 1.1;
-    const LEAST: f64 = 1e-3;
     let mut at = [1.0, 1.0];
     let before = distance(at)?;
     let (mut after, mut step) = (before, FIRST_STEP);
-    while step > LAST_STEP {
+    while step > LAST_FACTOR_STEP {
         let mut moved = false;
         for (k, factor) in [(0, step), (0, 1.0 / step), (1, step), (1, 1.0 / step)] {
             let mut next = at;
             next[k] *= factor;
-            let found = if next[k] < LEAST { f64::INFINITY } else { distance(next)? };
+            let found = if next[k] < LEAST_FACTOR { f64::INFINITY } else { distance(next)? };
             if found < after {
                 (at, after, moved) = (next, found, true);
             }

@@ -42,3 +42,12 @@ pub(crate) const RESIDUAL_ALIKE: f64 = 0.1;
 
 /// Rate relative to the platform below which the hub counts as stopped for an impulse of control, rad/s.
 pub(crate) const STOPPED_RAD_S: f64 = 2e-3;
+
+/// Step in which the beam's inertia is changed until the loop is unstable, as a share of it: finer than the thesis' figure can be read.
+pub(crate) const INERTIA_STEP: f64 = 0.02;
+/// Factors of the beam's inertia that are tried at most: the thesis changes it by less than a half.
+pub(crate) const INERTIA_FACTORS: [f64; 2] = [0.5, 2.0];
+/// Step of a fit of two factors at which it ends: a tenth is less than two laws of friction differ by.
+pub(crate) const LAST_FACTOR_STEP: f64 = 1.1;
+/// Least factor of such a fit: a thousandth of a value is as good as none.
+pub(crate) const LEAST_FACTOR: f64 = 1e-3;

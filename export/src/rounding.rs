@@ -126,7 +126,7 @@ fn run_deviation(coefficients: Vec<f64>, track: ErrorTrack) -> (f64, f64) {
     (likely, (squares / track.squares_v2.len().max(1) as f64).sqrt())
 }
 
-/// Returns what an operation adds to a state, where it does: the state lies on the grid of its numbers already, so that
+/// Returns what an operation adds to a state; `None` if it adds nothing to one. The state lies on the grid of its numbers already, so that
 /// what is rounded is the summand, the same way whenever the summand is the same.
 pub(crate) fn state_increment(operation: &Operation, read: &[f64]) -> Option<(usize, f64)> {
     let Operation::Sum { constant, terms, .. } = operation else { return None };

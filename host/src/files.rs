@@ -347,6 +347,19 @@ impl World for ProjectFolder {
     }
 }
 
+/// Returns whether nothing stands at a path, or an empty folder.
+pub fn is_empty_place(folder: &Path) -> bool {
+    !folder.exists() || folder.read_dir().is_ok_and(|mut entries| entries.next().is_none())
+}
+
+/// Returns a path from the root on, without links.
+///
+/// # Errors
+/// Nothing stands there, or it cannot be read.
+pub fn whole_path(path: &Path) -> io::Result<PathBuf> {
+    path.canonicalize()
+}
+
 /// Returns where the studio keeps its own files: journals and the lists of recent projects and folders.
 pub fn state_folder() -> PathBuf {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);

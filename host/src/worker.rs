@@ -67,7 +67,7 @@ impl<I: Send + 'static, O: Send + 'static> BackgroundWorker<I, O> {
         self.shared.asked.notify_one();
     }
 
-    /// Returns the answer, where one has come.
+    /// Returns the answer; `None` if none has come.
     pub fn take(&self) -> Option<(u64, O)> {
         self.shared.lock().answer.take()
     }

@@ -58,7 +58,7 @@ pub struct LocusView {
 pub struct LoopPlane {
     /// L at positive frequencies.
     pub path: PlaneCurve,
-    /// The largest sensitivity that the requirements allow; 2 where they name none.
+    /// The largest sensitivity that the requirements allow; 2 if they name none.
     pub largest_sensitivity: f64,
     /// The same, dB.
     pub largest_sensitivity_db: f64,

@@ -258,3 +258,8 @@ pub(crate) const SLIDING_RATES_AS_ONE: f64 = 20.0;
 
 /// Part of a sample by which a delay may exceed whole samples and still be those: rounding of the decimals of a file.
 pub(crate) const WHOLE_SAMPLES: f64 = 1e-9;
+
+/// Widest change of a weight that is tried as advice, as a factor: beyond it the figures bend too far for one slope.
+pub(crate) const WIDEST_ADVICE: f64 = 3.0;
+/// Quotient of the frequencies of neighbouring stiffnesses that a first design holds, at least: the modes of each are shifted by 15 % either way as well.
+pub(crate) const NEXT_STIFFNESS: f64 = 1.5;

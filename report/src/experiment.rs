@@ -9,10 +9,8 @@ use crate::page::{
     FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
     ReportTable,
 };
+use crate::tolerance::TOLD_APART;
 use crate::wording::experiment::ExperimentPlanText;
-
-/// Probability of deciding from which on two machines count as told apart.
-const TOLD_APART: f64 = 0.95;
 
 /// A plan, and the quantity that its machine controls.
 #[derive(Debug, Clone, Copy)]

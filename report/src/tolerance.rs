@@ -44,3 +44,6 @@ pub(crate) const WORTH_A_WORD_PERCENT: f64 = 1.0;
 pub(crate) const PI_WORTH_A_WORD: f64 = 0.02;
 /// Share of what is measured that a reading may still show where it counts as none.
 pub(crate) const NO_READING: f64 = 0.1;
+
+/// Probability of deciding from which on two machines count as told apart by an experiment: that of the intervals everywhere.
+pub(crate) const TOLD_APART: f64 = 0.95;

@@ -3,7 +3,7 @@
 
 use crate::error::attempt;
 use crate::figures::{BAND_POINTS, Figures, rejection, sampled_loop_figures};
-use crate::tolerance::LEAST_GAIN;
+use crate::tolerance::{LAST_WEIGHT_STEP, LEAST_GAIN, WEIGHT_REACH};
 use crate::{
     DesignPlant, Error, Reference, Requirements, Sampling, Specification, Weight, design, discretise,
 };
@@ -67,10 +67,8 @@ impl SearchEnding {
     }
 }
 
-/// First and last step of the search, as natural logarithms of factors.
-const STEPS: (f64, f64) = (0.7, 0.04);
-/// Largest factor on a parameter, as a natural logarithm: three decades.
-const REACH: f64 = 6.9;
+/// First step of the search, as a natural logarithm of a factor.
+const FIRST_STEP: f64 = 0.7;
 /// Weight of a missed requirement against rejection.
 const PENALTY: f64 = 100.0;
 /// Parameters that are searched: error gain, error corners, control corners, loop recovery.
@@ -93,9 +91,9 @@ pub fn search_specification(
     let powers = requirements.powers(plant, start)?;
     let problem = Problem { plant, start: &feedback_alone, requirements, sampling, powers };
     let first = problem.attempt([0.0; PARAMETERS])?;
-    let (mut at, mut best, mut trials, mut step) = ([0.0; PARAMETERS], first, 1, STEPS.0);
+    let (mut at, mut best, mut trials, mut step) = ([0.0; PARAMETERS], first, 1, FIRST_STEP);
     let mut ended = SearchEnding::Settled;
-    'search: while step >= STEPS.1 {
+    'search: while step >= LAST_WEIGHT_STEP {
         let mut improved = false;
         for direction in directions() {
             let mut walks = true;
@@ -183,7 +181,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Returns whether no parameter is further than [`REACH`], and no corner is moved beyond half the sampling rate, where nothing sees it.
+    /// Returns whether no parameter is further than [`WEIGHT_REACH`], and no corner is moved beyond half the sampling rate, where nothing sees it.
     fn reaches(&self, parameters: [f64; PARAMETERS]) -> bool {
         let highest = std::f64::consts::PI / self.sampling.period_s;
         let corner = |weight: &Weight| {
@@ -193,7 +191,7 @@ impl Problem<'_> {
         let [_, error, control, _] = parameters.map(f64::exp);
         let below = |weight: &Weight, factor: f64| factor <= 1.0 || factor * corner(weight) <= highest;
         let feedback = &self.start.feedback;
-        parameters.iter().all(|parameter| parameter.abs() <= REACH)
+        parameters.iter().all(|parameter| parameter.abs() <= WEIGHT_REACH)
             && below(&feedback.error, error)
             && below(&feedback.control, control)
     }

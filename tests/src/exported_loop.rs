@@ -26,7 +26,7 @@ const BALANCED_KG_M: f64 = 20.0;
 
 /// Under which controller the recordings were made, and how they are replayed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Way {
+pub enum RecordedLoop {
     /// Under the exported controller, replayed with it.
     Exported,
     /// Under the exported controller, its recorded control played back.
@@ -35,7 +35,7 @@ pub enum Way {
     ProportionalIntegral,
 }
 
-impl Way {
+impl RecordedLoop {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Exported, Self::PlayedBack, Self::ProportionalIntegral];
 }
@@ -89,22 +89,22 @@ fn rig(effect: &PracticeEffect) -> (Document, Parameters) {
 }
 
 /// Records the machine with a practice effect, and diagnoses it.
-pub fn record_and_diagnose(effect: &PracticeEffect, way: Way, pool: &dyn Pool) -> CheckedDiagnosis {
+pub fn record_and_diagnose(effect: &PracticeEffect, way: RecordedLoop, pool: &dyn Pool) -> CheckedDiagnosis {
     let (document, nominal) = rig(effect);
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
     let (case, control): (Case, ReplayLoop) = match way {
-        Way::ProportionalIntegral => {
+        RecordedLoop::ProportionalIntegral => {
             let case = effect.which.map_or_else(
                 || crate::sealed::case_of_nothing(&nominal),
                 |which| case_of(which, SIZE, &nominal),
             );
             (case, ReplayLoop::from(&controller()))
         }
-        Way::Exported | Way::PlayedBack => {
+        RecordedLoop::Exported | RecordedLoop::PlayedBack => {
             let controller = export_controller(&project);
             let replayed = from_file(&document, &controller_file(&project, &controller));
             let case = case_under(effect.which, SIZE, &nominal, &controller);
-            (case, if way == Way::Exported { ReplayLoop::from(replayed) } else { ReplayLoop::Open })
+            (case, if way == RecordedLoop::Exported { ReplayLoop::from(replayed) } else { ReplayLoop::Open })
         }
     };
     let answer = diagnose(&nominal, control, &recordings(&case), pool).unwrap().answer;

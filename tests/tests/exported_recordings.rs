@@ -3,14 +3,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_tests::Threads;
-use counterpoise_tests::exported_loop::{Way, record_and_diagnose};
+use counterpoise_tests::exported_loop::{RecordedLoop, record_and_diagnose};
 use counterpoise_tests::sealed::{PRACTICE, PracticeEffect};
 
 fn effect(name: &str) -> &'static PracticeEffect {
     PRACTICE.iter().find(|effect| effect.name == name).unwrap()
 }
 
-fn assert_identified(name: &str, way: Way) {
+fn assert_identified(name: &str, way: RecordedLoop) {
     let found = record_and_diagnose(effect(name), way, &Threads);
     let names: Vec<_> = found.answer.findings.iter().map(|finding| finding.name().names()).collect();
     assert!(found.is_right, "{name}, {way:?}: {:?} {names:?}", found.answer.verdict);
@@ -18,10 +18,10 @@ fn assert_identified(name: &str, way: Way) {
 
 #[test]
 fn an_effect_is_identified_in_closed_loop_with_the_controller_of_the_file() {
-    assert_identified("out-of-balance", Way::Exported);
+    assert_identified("out-of-balance", RecordedLoop::Exported);
 }
 
 #[test]
 fn an_effect_is_identified_with_the_recorded_control_played_back() {
-    assert_identified("position stiffness", Way::PlayedBack);
+    assert_identified("position stiffness", RecordedLoop::PlayedBack);
 }

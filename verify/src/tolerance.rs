@@ -432,3 +432,6 @@ pub(crate) const SLOPE_FACTOR_SERIES: f64 = 1e-2;
 /// Number of half periods within a time below which 1 - sinc^2 is computed by its series to x^4: the series is then right to 1e-9 of its value,
 /// and the difference itself would lose four of sixteen digits.
 pub(crate) const MEAN_SERIES: f64 = 1e-2;
+
+/// Longest motion that is generated, s: an hour at a millisecond is 3.6 million samples of each axis.
+pub(crate) const LONGEST_MOTION_S: f64 = 3600.0;

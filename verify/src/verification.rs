@@ -141,7 +141,7 @@ impl Verification {
         self.evidence.controlled
     }
 
-    /// Returns the value of a figure, where it was measured.
+    /// Returns the value of a figure; `None` if it was not measured.
     pub fn value(&self, figure: PerformanceFigure) -> Option<f64> {
         value_of(&self.figures, figure)
     }
@@ -393,7 +393,7 @@ pub struct FrequencyFigures {
 }
 
 impl FrequencyFigures {
-    /// Returns the value of a figure, where it was measured.
+    /// Returns the value of a figure; `None` if it was not measured.
     pub fn value(&self, figure: PerformanceFigure) -> Option<f64> {
         value_of(&self.figures, figure)
     }

@@ -40,14 +40,15 @@ pub fn run(options: &AdaptOptions) -> CommandResult {
         result.leave_histories_out();
     }
     let (runs, tried) = (&result.runs, &result.trials);
+    let adapted = AdaptedIntervals::of(runs);
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise adapt {}", options.project.display());
         let name = &loaded.project.plant.name;
-        let page = adaptation_report(name, &command, runs, AdaptedIntervals::of(runs));
+        let page = adaptation_report(name, &command, runs, adapted);
         output::write_report(path, &options.outputs.results, &page)?;
     }
     if !output::write_result(&options.outputs.results, &AdaptText::from(&result))? {
-        output::print_lines(&adaptation_lines(runs));
+        output::print_lines(&adaptation_lines(runs, adapted));
         adaptation::trial_lines(tried).iter().for_each(|line| say!("{line}"));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }

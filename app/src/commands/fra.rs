@@ -128,7 +128,7 @@ pub fn run(options: &FraOptions) -> CommandResult {
     }
     if !output::write_list(&options.outputs.results, "maps", &maps)? {
         maps.iter().for_each(|map| output::print_lines(&map_lines(map)));
-        output::print_lines(&pace_lines(&maps, &speed));
+        output::print_lines(&pace_lines(MapTotals::of(&maps), &speed));
     }
     Ok(ExitStatus::SUCCESS)
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, bail};
 use clap::Args;
 use counterpoise_host::compilers::controller_program::ControllerProgram;
+use counterpoise_host::files::whole_path;
 use counterpoise_host::machine_program::{
     MachineRequest, RunEnd, answer_of, read_request, read_run, write_answer,
 };
@@ -41,7 +42,7 @@ pub fn run(options: &MachineOptions) -> CommandResult {
         );
     }
     let experiment = read_run(&options.folder, &request)?;
-    let parent = options.folder.canonicalize()?.parent().map(|parent| parent.join("controller"));
+    let parent = whole_path(&options.folder)?.parent().map(|parent| parent.join("controller"));
     let mut controller = ControllerProgram::start(&parent.context("the folder has none above it")?)?;
     // Each run of a round has noise of its own, and the same when it is repeated.
     let seed = request.run.bytes().fold(options.seed + 1000 * request.round as u64, |seed, byte| {

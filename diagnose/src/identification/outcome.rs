@@ -11,7 +11,7 @@ pub struct Estimate {
     pub value: f64,
     /// 95 % interval: Newey and West's, Student's quantile.
     pub ci95: [f64; 2],
-    /// Value in the project, NaN (null in JSON) where it has none.
+    /// Value in the project; NaN (null in JSON) if it has none.
     pub before: f64,
 }
 

@@ -7,6 +7,7 @@
 //! ten percent of a back-EMF by the margins; what is known within decades, such as the torque at full control, by the ceiling of the
 //! bandwidth.
 
+use crate::tolerance::NEXT_STIFFNESS;
 use std::f64::consts::FRAC_PI_2;
 
 use counterpoise_lti::poles;
@@ -35,8 +36,6 @@ const LAGS_OF_DRIVE: [&str; 3] =
 /// Stiffnesses from the softest that is usual to one whose mode the clock hides, at most. A collocated loop is limited by a mode near its bandwidth more than
 /// by the softest.
 const MOST_STIFFNESSES: usize = 4;
-/// Quotient of the frequencies of neighbouring ones, at least: the modes of each are shifted by 15 % either way as well.
-const NEXT_STIFFNESS: f64 = 1.5;
 /// Last parts of the keys that state the step of a reading, and whether a low number means a large step.
 const STEPS: [(&str, bool); 2] = [("counts", true), ("resolution", false)];
 /// Noise density of a gyroscope of which nothing is known, rad/s over the root of a hertz: 0.01 degrees a second, as the data sheets of most

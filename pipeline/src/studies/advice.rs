@@ -4,6 +4,7 @@
 //! logarithm of the weight, gives the change that should be enough; that design is made and measured as well, so that what is advised
 //! has been tried.
 
+use crate::tolerance::WIDEST_ADVICE;
 use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
@@ -96,9 +97,8 @@ struct WeightParameter {
     scale: fn(&mut Specification, f64),
 }
 
-/// Step of the difference quotient, and the widest change that is tried, as factors.
+/// Step of the difference quotient, as a factor.
 const STEP: f64 = 1.05;
-const WIDEST: f64 = 3.0;
 /// Distance beyond the limit that is aimed at, as a share of what is missing: the figure bends.
 const BEYOND: f64 = 1.15;
 /// Weights whose changes are tried: those that promise to meet the requirement with the smallest change.
@@ -199,7 +199,11 @@ impl WeightTrials<'_> {
             sensitivities.push(WeightSensitivity { key: parameter.key, per_factor_e: slope, tried });
             let needed = BEYOND * (requirement.limit.value() - before[0]) / slope;
             if needed.is_finite() {
-                candidates.push((parameter, needed.clamp(-WIDEST.ln(), WIDEST.ln()).exp(), needed.abs()));
+                candidates.push((
+                    parameter,
+                    needed.clamp(-WIDEST_ADVICE.ln(), WIDEST_ADVICE.ln()).exp(),
+                    needed.abs(),
+                ));
             }
         }
         candidates.sort_by(|a, b| a.2.total_cmp(&b.2));

@@ -47,7 +47,7 @@ pub struct ModelStudy {
     pub truncation: Option<Truncation>,
 }
 
-/// Models a project's plant and returns everything that is stated about it. The pool shows how far large structures are, and can end them.
+/// Returns a project's plant with everything that is stated about it. The pool shows how far large structures are, and can end them.
 ///
 /// # Errors
 /// There is no plant, it was ended, or it cannot be simulated.

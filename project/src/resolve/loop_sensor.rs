@@ -52,16 +52,16 @@ const PLACE: Field = Field::new(
 
 /// What the loop takes from an encoder.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Shown {
+enum EncoderReading {
     Angle,
     Rate,
 }
 
-impl NamedChoice for Shown {
+impl NamedChoice for EncoderReading {
     const NAMES: &'static [(&'static str, Self)] = &[("angle", Self::Angle), ("rate", Self::Rate)];
 }
 
-impl Shown {
+impl EncoderReading {
     /// Returns the measured quantity at a place.
     fn at(self, place: Place) -> FeedbackSignal {
         match (self, place) {
@@ -106,37 +106,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         found += measures(plant, rates[usize::from(place == Place::Motor)], found);
         v.leave();
     }
-    let position = measured.is_position();
-    for (key, meaning, there) in [
-        (
-            "encoder",
-            "angle relative to the platform in counts: the loop controls it or, by the difference of two readings, its rate",
-            digital,
-        ),
-        ("resolver", "angle relative to the platform, which the loop controls", position && !digital),
-    ] {
-        if !Words::of(axis, v).enter(&TableField::optional(key, meaning), Presence::from(there)) {
-            continue;
-        }
-        let on_motor = matches!(measured, FeedbackSignal::MotorPosition | FeedbackSignal::MotorRate);
-        let mut place = if on_motor { Place::Motor } else { Place::Load };
-        choose(v, &PLACE, &mut place);
-        if plant.axis == AxisKind::Linear && place == Place::Load && v.has("counts") {
-            let allowed = "must be \"motor\" for an encoder with counts a turn";
-            let hint = "an encoder on the motor: place = \"motor\"; a scale along the slide: resolution = \"1 um\" in place of `counts`";
-            v.complain("place", allowed, Some(hint.to_owned()));
-            place = Place::Motor;
-        }
-        let mut shown = if plant.sensors.hub_gyro.is_differenced { Shown::Rate } else { Shown::Angle };
-        if key == "encoder" {
-            resolution(v, plant, place);
-            choose(v, &SHOWS, &mut shown);
-            plant.sensors.hub_gyro.is_differenced = shown == Shown::Rate;
-        }
-        placed_sensor(v, plant, place, if shown == Shown::Rate { "rad/s" } else { "rad" });
-        found += measures(plant, shown.at(place), found);
-        v.leave();
-    }
+    found += angle_sensors(v, plant, PresentReading { measured, is_digital: digital }, found);
     found += efforts(&mut Words::of(axis, v), plant, found);
     not_alone(&mut Words::of(axis, v));
     if found == 0 {
@@ -145,6 +115,69 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     if found > 1 {
         refuse_several(v);
     }
+}
+
+/// What the loop reads before its sensors are read from the file.
+#[derive(Clone, Copy)]
+struct PresentReading {
+    measured: FeedbackSignal,
+    /// `true` if it has steps.
+    is_digital: bool,
+}
+
+/// Reads or lists the sensors of an angle, given how many sensors were found before; returns how many there are.
+fn angle_sensors(v: &mut dyn Visit, plant: &mut Parameters, present: PresentReading, before: usize) -> usize {
+    let (axis, PresentReading { measured, is_digital }) = (plant.axis, present);
+    let mut found = 0;
+    for (key, meaning, there) in [
+        (
+            ENCODER,
+            "angle relative to the platform in counts: the loop controls it or, by the difference of two readings, its rate",
+            is_digital,
+        ),
+        (
+            "resolver",
+            "angle relative to the platform, which the loop controls",
+            measured.is_position() && !is_digital,
+        ),
+    ] {
+        if Words::of(axis, v).enter(&TableField::optional(key, meaning), Presence::from(there)) {
+            let reading = angle_sensor(v, plant, measured, key);
+            found += measures(plant, reading, before + found);
+            v.leave();
+        }
+    }
+    found
+}
+
+/// Key of an encoder.
+const ENCODER: &str = "encoder";
+
+/// Reads or lists a sensor of an angle; returns what the loop measures by it.
+fn angle_sensor(
+    v: &mut dyn Visit,
+    plant: &mut Parameters,
+    measured: FeedbackSignal,
+    key: &str,
+) -> FeedbackSignal {
+    let on_motor = matches!(measured, FeedbackSignal::MotorPosition | FeedbackSignal::MotorRate);
+    let mut place = if on_motor { Place::Motor } else { Place::Load };
+    choose(v, &PLACE, &mut place);
+    if plant.axis == AxisKind::Linear && place == Place::Load && v.has("counts") {
+        let allowed = "must be \"motor\" for an encoder with counts a turn";
+        let hint = "an encoder on the motor: place = \"motor\"; a scale along the slide: resolution = \"1 um\" in place of `counts`";
+        v.complain("place", allowed, Some(hint.to_owned()));
+        place = Place::Motor;
+    }
+    let is_differenced = plant.sensors.hub_gyro.is_differenced;
+    let mut reading = if is_differenced { EncoderReading::Rate } else { EncoderReading::Angle };
+    if key == ENCODER {
+        resolution(v, plant, place);
+        choose(v, &SHOWS, &mut reading);
+        plant.sensors.hub_gyro.is_differenced = reading == EncoderReading::Rate;
+    }
+    placed_sensor(v, plant, place, if reading == EncoderReading::Rate { "rad/s" } else { "rad" });
+    reading.at(place)
 }
 
 /// Notes what is assumed of the gyroscope of a loop of which no sensor is stated, given the paths of its noise, delay and natural frequency.

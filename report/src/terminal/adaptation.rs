@@ -6,7 +6,7 @@ use super::add_line;
 use crate::wording::adaptation::describe_run;
 
 /// Returns the lines on the runs of an adaptation, interval by interval.
-pub fn adaptation_lines(runs: &[AdaptRun]) -> Vec<String> {
+pub fn adaptation_lines(runs: &[AdaptRun], adapted: AdaptedIntervals) -> Vec<String> {
     let mut all = Vec::new();
     let lines = &mut all;
     for run in runs {
@@ -31,7 +31,6 @@ pub fn adaptation_lines(runs: &[AdaptRun]) -> Vec<String> {
             );
         }
     }
-    let adapted = AdaptedIntervals::of(runs);
     add_line!(
         lines,
         "{} of {} adapted intervals are within 10 % of run (a)",

@@ -51,9 +51,9 @@ pub fn map_lines(map: &ResponseMap) -> Vec<String> {
     all
 }
 
-/// Returns the lines on the speed at which maps were measured, for each number of threads.
-pub fn pace_lines(maps: &[ResponseMap], speed: &[MeasuringPace]) -> Vec<String> {
-    let MapTotals { points, simulated_s, .. } = MapTotals::of(maps);
+/// Returns the lines on the speed at which maps of these totals were measured, for each number of threads.
+pub fn pace_lines(totals: MapTotals, speed: &[MeasuringPace]) -> Vec<String> {
+    let MapTotals { points, simulated_s, .. } = totals;
     let line = |pace: &MeasuringPace| {
         let gained = match pace.speed_up(speed) {
             _ if pace.threads == 1 || speed.len() == 1 => String::new(),

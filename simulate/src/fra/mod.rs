@@ -104,12 +104,12 @@ pub struct Measurement {
     /// Simulated time for this point, s, until the mechanism had settled.
     pub simulated_s: f64,
     /// The signals over the last two windows; `None` unless they were asked for.
-    pub signals: Option<MeasuredSignals>,
+    pub signals: Option<MeasurementSignals>,
 }
 
 /// The signals between which a response is measured, over the last two windows.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MeasuredSignals {
+pub struct MeasurementSignals {
     /// Sample period, s.
     pub period_s: f64,
     /// What is excited.
@@ -232,7 +232,7 @@ impl TestRun {
             last_change,
             settled: last_change <= self.settled_below,
             simulated_s: history.len() as f64 * history.sample_period_s,
-            signals: self.keeps_signals.then(|| MeasuredSignals {
+            signals: self.keeps_signals.then(|| MeasurementSignals {
                 period_s: history.sample_period_s,
                 input: test.input(&history.readings)[(windows - 2) * window.samples..].to_vec(),
                 output: history.readings.hub_rate_rad_s()[(windows - 2) * window.samples..].to_vec(),

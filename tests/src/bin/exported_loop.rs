@@ -6,7 +6,7 @@
 
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_tests::Threads;
-use counterpoise_tests::exported_loop::{CheckedDiagnosis, Way, record_and_diagnose};
+use counterpoise_tests::exported_loop::{CheckedDiagnosis, RecordedLoop, record_and_diagnose};
 use counterpoise_tests::sealed::PRACTICE;
 
 fn main() {
@@ -17,7 +17,7 @@ fn main() {
     let mut missed = 0;
     for (k, effect) in PRACTICE.iter().enumerate().filter(|(k, _)| only.is_none_or(|only| only == k + 1)) {
         let clock = std::time::Instant::now();
-        let all = Way::ALL.map(|way| record_and_diagnose(effect, way, &Threads));
+        let all = RecordedLoop::ALL.map(|way| record_and_diagnose(effect, way, &Threads));
         missed += all.iter().filter(|one| !one.is_right).count();
         let cells = all.iter().map(cell).collect::<Vec<_>>().join(" | ");
         println!("| {} | {cells} |", effect.name);

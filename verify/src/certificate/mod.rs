@@ -210,7 +210,8 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
     let orbits = orbit::follow_orbits(subject, &prediction)?;
     let sector = sector::prove(subject)?;
     let is_proved = sector.as_ref().is_some_and(SectorProof::holds);
-    let rest = runs::at_rest(subject, is_proved)?;
+    let proof = if is_proved { runs::Proof::Given } else { runs::Proof::Missing };
+    let rest = runs::at_rest(subject, proof)?;
     let motion = runs::run_in_motion(subject)?;
     let mut found = CaseCertificate {
         name: subject.case.name.clone(),

@@ -68,13 +68,22 @@ impl Run {
     }
 }
 
+/// Whether the stability of a case is proved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Proof {
+    /// It is.
+    Given,
+    /// It is not.
+    Missing,
+}
+
 /// The mechanism at rest: the run that moves more of one with the gear as the load leaves it, and one with its teeth on a flank. It is repeated with
 /// other noise unless it is quiet: with backlash or an observer, runs that differ in noise alone can differ by half, and a gear with backlash can stay
 /// in its gap or begin to rattle. An estimator that learns always has these repetitions: what noise teaches it goes on step by step, and a single run
 /// need not get as far as friction lets it. A motion that is larger than noise is repeated to see whether its cycle is the same with other noise.
-pub(super) fn at_rest(subject: &Subject<'_>, proved: bool) -> Result<Run, Error> {
+pub(super) fn at_rest(subject: &Subject<'_>, proof: Proof) -> Result<Run, Error> {
     let mut found = at_rest_with(subject, subject.procedure.seed)?;
-    let others = (1..=repetitions(subject, &found, proved))
+    let others = (1..=repetitions(subject, &found, proof))
         .map(|more| at_rest_with(subject, subject.procedure.seed.wrapping_add(more)))
         .collect::<Result<Vec<Run>, Error>>()?;
     if others.is_empty() || found.diverges() {
@@ -95,10 +104,10 @@ pub(super) fn at_rest(subject: &Subject<'_>, proved: bool) -> Result<Run, Error>
 }
 
 /// How often a run at rest is repeated with other noise.
-fn repetitions(subject: &Subject<'_>, found: &Run, proved: bool) -> u64 {
+fn repetitions(subject: &Subject<'_>, found: &Run, proof: Proof) -> u64 {
     let floor = subject.noise_floor_rad_s();
     let learns = subject.controller.parts().estimator.is_some();
-    let rattles = !proved && subject.case.plant.parameters().gearbox.backlash_rad > 0.0;
+    let rattles = proof == Proof::Missing && subject.case.plant.parameters().gearbox.backlash_rad > 0.0;
     let quiet = if rattles { RATTLES_FLOORS } else { MOVES_UNSTABLE_FLOORS } * floor;
     match found.rms_rad_s {
         moves if moves > MOVES_FLOORS * floor => CYCLE_RUNS,

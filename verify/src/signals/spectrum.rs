@@ -10,7 +10,7 @@ use counterpoise_recordings::Signals;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::tolerance::FLAT_EXPONENT;
+use crate::tolerance::{FLAT_EXPONENT, LONGEST_MOTION_S};
 use crate::{Error, Road, RoadOrigin};
 
 /// A sine of a platform's motion.
@@ -211,7 +211,7 @@ pub(super) fn window(time_s: f64, how: MotionRealisation) -> [f64; 3] {
 }
 
 pub(super) fn check(how: MotionRealisation) -> Result<usize, Error> {
-    if !(how.duration_s > 0.0 && how.duration_s <= 3600.0) {
+    if !(how.duration_s > 0.0 && how.duration_s <= LONGEST_MOTION_S) {
         return Err(range_error("duration of the motion in s", how.duration_s, "positive, at most 3600"));
     }
     if !(how.fade_s >= 0.0 && 2.0 * how.fade_s <= how.duration_s) {
