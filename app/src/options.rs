@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
+use counterpoise_host::result_files::MatlabVersion;
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_pipeline::studies::assumptions::LoopSystems;
 
@@ -19,9 +20,21 @@ pub struct ResultOutput {
     /// Write every curve and table of the result as CSV, and the whole result as a MATLAB file (result.mat), to this folder
     #[arg(long, value_name = "FOLDER")]
     pub data: Option<PathBuf>,
+    /// With --data: version of the MATLAB file; one of 7.3 has no limit of 2 GB for a variable
+    #[arg(long, value_name = "VERSION", requires = "data", default_value = "5", value_parser = matlab_version)]
+    pub matlab: MatlabVersion,
     /// Print no progress
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Reads the version of a MATLAB file.
+fn matlab_version(text: &str) -> Result<MatlabVersion, String> {
+    match text {
+        "5" => Ok(MatlabVersion::Five),
+        "7.3" => Ok(MatlabVersion::SevenThree),
+        _ => Err("must be 5 or 7.3".to_owned()),
+    }
 }
 
 impl ResultOutput {

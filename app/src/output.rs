@@ -62,7 +62,7 @@ pub fn error_chain(error: &anyhow::Error) -> String {
 /// Writes a result as JSON and as files of data where that was asked for; says whether the JSON went to standard output.
 pub fn write_result<T: Serialize>(results: &ResultOutput, result: &T) -> Result<bool> {
     if let Some(folder) = &results.data {
-        let mut files = ResultFolder::new(folder);
+        let mut files = ResultFolder::new(folder).with_matlab(results.matlab);
         files.write_result(result)?;
         files.write_contents()?;
     }

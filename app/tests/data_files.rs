@@ -29,6 +29,18 @@ fn write_data(folder: &Path, command: &[&str]) -> Vec<(String, Vec<String>)> {
 }
 
 #[test]
+fn the_version_of_the_matlab_file_is_chosen() {
+    let folder = support::quick_folder("data_version");
+    write_data(&folder, &["model", "--matlab", "7.3"]);
+    let file = fs::read(folder.join("data/result.mat")).unwrap();
+    assert!(file.starts_with(b"MATLAB 7.3 MAT-file"));
+    let refused =
+        support::counterpoise().arg("model").arg(&folder).args(["--data", "d", "--matlab", "6"]).output();
+    let refused = refused.unwrap();
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("must be 5 or 7.3"));
+}
+
+#[test]
 fn a_model_is_written_as_matlab_and_its_responses_carry_units() {
     let folder = support::quick_folder("data_model");
     let tables = write_data(&folder, &["model"]);

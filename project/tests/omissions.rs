@@ -11,7 +11,7 @@ const GOOD: &str = include_str!("data/rig.toml");
 fn is_no_quantity(key: &str) -> bool {
     let last = key.rsplit('.').next().unwrap_or(key);
     key.contains('[')
-        || ["name", "model", "shape", "map", "place", "acts", "kind", "curve", "axis", "dynamics"]
+        || ["name", "model", "shape", "map", "place", "acts", "kind", "curve", "axis", "dynamics", "reads"]
             .contains(&last)
 }
 

@@ -48,14 +48,14 @@ pub(super) fn matlab_file(result: &Map<String, Value>) -> Result<Vec<u8>> {
         let size = file.len() - start;
         ensure!(
             size <= LARGEST_VARIABLE,
-            "{name} has {size} bytes, and a MATLAB file of version 5 holds at most {LARGEST_VARIABLE} of a variable: leave out --histories"
+            "{name} has {size} bytes, and a MATLAB file of version 5 holds at most {LARGEST_VARIABLE} of a variable: take version 7.3 (--matlab 7.3), or leave out --histories"
         );
     }
     Ok(file)
 }
 
 /// Returns keys as names of variables or fields: letters, digits and underscores after a letter, each name once.
-fn field_names<'a>(keys: impl Iterator<Item = &'a String>) -> Vec<String> {
+pub(super) fn field_names<'a>(keys: impl Iterator<Item = &'a String>) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let mut one = |key: &String| {
         let mut name: String = key
@@ -109,13 +109,13 @@ fn write_list(out: &mut Vec<u8>, name: &str, list: &[Value]) {
 }
 
 /// Returns a list of numbers, with NaN for each that does not exist; `None` if it holds anything else.
-fn numbers_of(list: &[Value]) -> Option<Vec<f64>> {
+pub(super) fn numbers_of(list: &[Value]) -> Option<Vec<f64>> {
     let number = |value: &Value| if value.is_null() { Some(f64::NAN) } else { value.as_f64() };
     list.iter().map(number).collect()
 }
 
 /// Returns rows and columns of a list of rows, and its numbers column by column; `None` if it is none.
-fn matrix_of(list: &[Value]) -> Option<([usize; 2], Vec<f64>)> {
+pub(super) fn matrix_of(list: &[Value]) -> Option<([usize; 2], Vec<f64>)> {
     let rows: Vec<Vec<f64>> =
         list.iter().map(|row| row.as_array().and_then(|row| numbers_of(row))).collect::<Option<_>>()?;
     let columns = rows.first()?.len();

@@ -1,8 +1,9 @@
 //! A result as a folder of files for other programs: every table as CSV, the whole result as a MATLAB file, and a list of the files.
 //!
-//! Modules in reading order: [`tables`] (which tables a result has), [`matlab`].
+//! Modules in reading order: [`tables`] (which tables a result has), [`matlab`], [`matlab_hdf5`].
 
 mod matlab;
+mod matlab_hdf5;
 mod tables;
 
 use std::collections::BTreeSet;
@@ -19,9 +20,20 @@ pub use tables::{ResultTable, number_cell};
 /// Most characters of a file's name before its ending: file systems allow 255 bytes.
 const LONGEST_NAME: usize = 120;
 
+/// Version of a MATLAB file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MatlabVersion {
+    /// Version 5, which MATLAB, Octave and SciPy read; a variable has at most 2 GB.
+    #[default]
+    Five,
+    /// Version 7.3, which is HDF5 and has no such limit.
+    SevenThree,
+}
+
 /// A folder of files of one result.
 pub struct ResultFolder {
     folder: PathBuf,
+    matlab: MatlabVersion,
     /// Names in small letters: some file systems do not tell capitals apart.
     names: BTreeSet<String>,
     contents: Vec<Vec<String>>,
@@ -30,19 +42,29 @@ pub struct ResultFolder {
 impl ResultFolder {
     /// Returns a folder to which nothing has been written.
     pub fn new(folder: &Path) -> Self {
-        Self { folder: folder.to_owned(), names: BTreeSet::new(), contents: Vec::new() }
+        let (names, contents) = (BTreeSet::new(), Vec::new());
+        Self { folder: folder.to_owned(), matlab: MatlabVersion::default(), names, contents }
+    }
+
+    /// Returns the same with another version of the MATLAB file.
+    pub fn with_matlab(self, matlab: MatlabVersion) -> Self {
+        Self { matlab, ..self }
     }
 
     /// Writes every table of a result, and the whole result as `result.mat`.
     ///
     /// # Errors
-    /// A file that cannot be written, and a result that is too large for a MATLAB file.
+    /// A file that cannot be written, and a result that is too large for its MATLAB file.
     pub fn write_result<T: Serialize>(&mut self, result: &T) -> Result<()> {
         let value = serde_json::to_value(result)?;
         let Value::Object(object) = &value else { bail!("a result is an object of named values") };
         tables::visit_tables(&value, &mut |table| self.write_table(&table))?;
-        let file = matlab::matlab_file(object)
-            .with_context(|| format!("cannot make {}", self.folder.join("result.mat").display()))?;
+        let file = match self.matlab {
+            MatlabVersion::Five => matlab::matlab_file(object),
+            MatlabVersion::SevenThree => matlab_hdf5::matlab_hdf5_file(object),
+        };
+        let file =
+            file.with_context(|| format!("cannot make {}", self.folder.join("result.mat").display()))?;
         write_file(&self.folder.join("result.mat"), &file)
     }
 

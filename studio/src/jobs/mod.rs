@@ -134,10 +134,16 @@ pub struct BackgroundJobs {
     pub studies: BTreeMap<StudyKind, VersionedResult<Result<Arc<StudyResult>, ErrorLines>>>,
     /// The study that was asked for last.
     pub asked_study: StudyKind,
-    diagnosis_progress: SharedProgress,
-    measurement_progress: SharedProgress,
-    commissioning_progress: SharedProgress,
-    study_progress: SharedProgress,
+    progress: JobProgress,
+}
+
+/// How far the long jobs are.
+#[derive(Default)]
+struct JobProgress {
+    diagnosis: SharedProgress,
+    measurement: SharedProgress,
+    commissioning: SharedProgress,
+    study: SharedProgress,
 }
 
 /// Event of a diagnosis since the last frame.
@@ -153,16 +159,14 @@ impl BackgroundJobs {
     /// Starts the workers; they wait for work.
     pub fn new(wake: &WakeWindow, store: ProjectStore) -> Self {
         let disk = Arc::clone(&store.disk);
-        let (diagnosis_progress, measurement_progress) =
-            (SharedProgress::default(), SharedProgress::default());
-        let (commissioning_progress, study_progress) = (SharedProgress::default(), SharedProgress::default());
+        let progress = JobProgress::default();
         let (partial, partial_campaign) = (PartialVerification::default(), PartialCampaign::default());
         Self {
             design: design_worker(wake),
             verify: verification_worker(wake, &partial),
             effort: trade_off_worker(wake),
             loop_view: loop_view_worker(wake),
-            measure: measurement_worker(wake, &measurement_progress, &partial_campaign),
+            measure: measurement_worker(wake, &progress.measurement, &partial_campaign),
             export: BackgroundWorker::new(Arc::clone(wake), |request: ExportRequest, token: &CancelToken| {
                 export_code(&request, token)
             }),
@@ -176,9 +180,9 @@ impl BackgroundJobs {
             settings: BackgroundWorker::new(Arc::clone(wake), |files: Vec<SettingsFile>, _: &CancelToken| {
                 write_settings(&files);
             }),
-            diagnose: diagnosis_worker(wake, &diagnosis_progress),
-            commission: commissioning_worker(wake, &commissioning_progress),
-            study: study_worker(wake, &study_progress),
+            diagnose: diagnosis_worker(wake, &progress.diagnosis),
+            commission: commissioning_worker(wake, &progress.commissioning),
+            study: study_worker(wake, &progress.study),
             replay: BackgroundWorker::new(Arc::clone(wake), |request: ReplayRequest, token: &CancelToken| {
                 replay_files(&request, token)
             }),
@@ -208,10 +212,7 @@ impl BackgroundJobs {
             commissioning: None,
             studies: BTreeMap::new(),
             asked_study: StudyKind::Search,
-            diagnosis_progress,
-            measurement_progress,
-            commissioning_progress,
-            study_progress,
+            progress,
         }
     }
 
@@ -261,22 +262,22 @@ impl BackgroundJobs {
 
     /// Returns how far the diagnosis is, in words.
     pub fn diagnosis_progress(&self) -> String {
-        self.diagnosis_progress.last_message()
+        self.progress.diagnosis.last_message()
     }
 
     /// Returns how far the round of a commissioning is, in words.
     pub fn commissioning_progress(&self) -> String {
-        self.commissioning_progress.last_message()
+        self.progress.commissioning.last_message()
     }
 
     /// Returns how far the study is, in words.
     pub fn study_progress(&self) -> String {
-        self.study_progress.last_message()
+        self.progress.study.last_message()
     }
 
     /// Returns how far the measurement is, in words.
     pub fn measurement_progress(&self) -> String {
-        self.measurement_progress.last_message()
+        self.progress.measurement.last_message()
     }
 
     /// Takes the answers about recordings.

@@ -163,12 +163,12 @@ impl StudyGround<'_> {
 
 fn lines_of(error: &anyhow::Error) -> ErrorLines {
     match error.downcast_ref::<PipelineError>() {
-        Some(refused) => error_lines(refused),
+        Some(why) => error_lines(why),
         None => format!("{error:#}").lines().map(str::to_owned).collect(),
     }
 }
 
-fn refused(error: PipelineError) -> ErrorLines {
+fn refusal_lines(error: PipelineError) -> ErrorLines {
     error_lines(&error)
 }
 
@@ -198,9 +198,10 @@ fn search_designs(request: &StudyRequest, pool: &CancellablePool) -> Result<Stud
 
 /// Searches the front of a project's designs.
 fn search_front(ground: &StudyGround, options: &FrontOptions) -> Result<StudyResult, ErrorLines> {
-    let chosen = with_chosen_weights_on(&ground.loaded.project, ground.world.pool()).map_err(refused)?;
+    let chosen =
+        with_chosen_weights_on(&ground.loaded.project, ground.world.pool()).map_err(refusal_lines)?;
     let project = chosen.map_or_else(|| ground.loaded.project.clone(), |chosen| chosen.project);
-    let found = project_front(&project, options, &ground.world).map_err(refused)?;
+    let found = project_front(&project, options, &ground.world).map_err(refusal_lines)?;
     let text = FrontText::from(&found);
     let propose = |number: usize| {
         let kind = &text.designs.get(number - 1)?.kind;
@@ -221,8 +222,8 @@ fn search_for_requirements(
 ) -> Result<StudyResult, ErrorLines> {
     let ground = StudyGround::of(request, Purpose::Synth, pool)?;
     let project = &ground.loaded.project;
-    let modelled = build_plant_model(project).map_err(refused)?;
-    let reduced = reduce_plant(project, &modelled).map_err(refused)?;
+    let modelled = build_plant_model(project).map_err(refusal_lines)?;
+    let reduced = reduce_plant(project, &modelled).map_err(refusal_lines)?;
     let mut trials = 0_usize;
     let mut go_on = |_: &SearchTrial| {
         trials += 1;
@@ -230,10 +231,10 @@ fn search_for_requirements(
         (pool.wake)();
         !pool.is_cancelled()
     };
-    let found = search_weights(project, &modelled, &reduced, &mut go_on).map_err(refused)?;
+    let found = search_weights(project, &modelled, &reduced, &mut go_on).map_err(refusal_lines)?;
     let judged = match project.verify {
         Some(_) => verify_found(&found, &modelled, &reduced, &ground.world, &mut || !pool.is_cancelled())
-            .map_err(refused)?,
+            .map_err(refusal_lines)?,
         None => Vec::new(),
     };
     let points: Vec<VerifiedPoint> = judged.iter().map(VerifiedPoint::from).collect();
@@ -254,7 +255,7 @@ fn search_for_requirements(
 fn compare_designs(request: &StudyRequest, pool: &CancellablePool) -> Result<StudyResult, ErrorLines> {
     let ground = StudyGround::of(request, Purpose::Compare, pool)?;
     let asked = ComparisonRequest { further: Vec::new(), keeps_histories: false };
-    let found = design_table(&ground.loaded.project, &asked, &ground.world).map_err(refused)?;
+    let found = design_table(&ground.loaded.project, &asked, &ground.world).map_err(refusal_lines)?;
     let table = DesignTableText::from(found);
     let report = designs::comparison_report(&table, &[], &ground.origin("compare", ""));
     Ok(plain_result(StudyKind::Compare, report))
@@ -262,7 +263,7 @@ fn compare_designs(request: &StudyRequest, pool: &CancellablePool) -> Result<Stu
 
 fn test_adaptation(request: &StudyRequest, pool: &CancellablePool) -> Result<StudyResult, ErrorLines> {
     let ground = StudyGround::of(request, Purpose::Verify, pool)?;
-    let found = study_adaptation(&ground.loaded.project, &ground.world).map_err(refused)?;
+    let found = study_adaptation(&ground.loaded.project, &ground.world).map_err(refusal_lines)?;
     let intervals = AdaptedIntervals::of(&found.runs);
     let report = adaptation_report(ground.name(), &ground.command("adapt"), &found.runs, intervals);
     Ok(plain_result(StudyKind::Adapt, report))
@@ -276,7 +277,7 @@ fn compare_projects(request: &StudyRequest, pool: &CancellablePool) -> Result<St
     }
     let verify = |loaded: &ProjectOnDisk| -> Result<VerificationStudy, ErrorLines> {
         let world = StudyWorld { folder: loaded.project_folder(), pool };
-        verify_project(&loaded.project, &VerificationOptions::of_project(), &world).map_err(refused)
+        verify_project(&loaded.project, &VerificationOptions::of_project(), &world).map_err(refusal_lines)
     };
     let before = projects::load_project(&other, Purpose::Verify).map_err(|error| lines_of(&error))?;
     let before = verify(&before)?;

@@ -189,7 +189,7 @@ fn show_result(
     }
     let is_current = freshness == Freshness::Current;
     let clicked = report_view::show(ui, view, queue, &found.report, |ui, queue| {
-        show_proposals(ui, &theme, queue, found, is_current);
+        show_proposals(ui, &theme, queue, found, freshness);
     });
     let nearest = clicked.and_then(|click| {
         let places = found.places.get(click.figure)?.iter().map(|place| click.distance(*place));
@@ -207,11 +207,12 @@ fn show_proposals(
     theme: &WindowTheme,
     queue: &mut Vec<Command>,
     found: &StudyResult,
-    is_current: bool,
+    freshness: Freshness,
 ) {
     if found.proposals.is_empty() {
         return;
     }
+    let is_current = freshness == Freshness::Current;
     let hint = if found.places.is_empty() { "" } else { ": a click on its point in a plot, or" };
     ui.label(RichText::new(format!("Take into the project{hint}")).color(theme.weak));
     let mut number = 0;
