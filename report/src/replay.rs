@@ -1,11 +1,13 @@
 //! The report of a replay: how each recording was followed, how well each channel fits, measured and simulated.
 
+use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 use counterpoise_recordings::Channel;
 use std::collections::BTreeMap;
 
 use counterpoise_pipeline::recordings::ReplayedRecording;
 use counterpoise_pipeline::results::{ChannelResult, RecordingResult, ReplayResult};
 
+use counterpoise_pipeline::recordings::amplitude_density::AmplitudeDensity;
 use counterpoise_pipeline::recordings::tracks::ChannelTrack;
 
 use crate::diagnosis::{comparison, worst_track};
@@ -139,5 +141,25 @@ fn section(recording: &RecordingResult, tracks: &[ChannelTrack]) -> ReportSectio
     let section = ReportSection::new(name(&recording.file)).with_table(table);
     let section =
         recording.remarks.iter().fold(section, |section, remark| section.with_text(remark.as_str()));
-    section.with_figures(figures.map(|track| comparison(track, "")))
+    section.with_figures(
+        figures.flat_map(|track| [Some(comparison(track, "")), density_figure(track)]).flatten(),
+    )
+}
+
+/// Returns the amplitude spectral densities of a channel and of what the model leaves of it; `None` if it has none.
+fn density_figure(track: &ChannelTrack) -> Option<Figure> {
+    let series = |name: &str, colour, found: &AmplitudeDensity| {
+        let points: Vec<(f64, f64)> =
+            found.frequency_hz.iter().copied().zip(found.density.iter().copied()).collect();
+        Series::solid_line(name, colour, points)
+    };
+    let measured = series("measured", Colour::Muted, track.measured_density.as_ref()?);
+    let residual =
+        track.residual_densities[0].as_ref().map(|found| series("residual", Colour::Second, found));
+    let unit = format!("{}/root Hz", track.words.unit);
+    let curves = std::iter::once(measured).chain(residual).collect();
+    let panel = Panel::new(Axis::logarithmic(track.words.name, &unit), curves);
+    let title = format!("Spectrum of {} in {}", track.words.name.replace('_', " "), track.recording);
+    let figure = Figure::new(&title, Axis::logarithmic("frequency", "Hz"), vec![panel]);
+    Some(figure.with_caption("Amplitude spectral density by Welch's method."))
 }

@@ -176,6 +176,7 @@ fn recordings(scratch: &Path) -> Vec<(&'static str, Vec<Command>)> {
                 Command::ShowDiagnosis { tab: DiagnosisTab::CrossPlot },
             ],
         ),
+        ("studio-spectra", vec![Command::ShowDiagnosis { tab: DiagnosisTab::Spectra }]),
         ("studio-diagnose", vec![Command::ShowDiagnosis { tab: DiagnosisTab::Errors }]),
         ("studio-findings", vec![Command::Diagnose, Command::ShowDiagnosis { tab: DiagnosisTab::Findings }]),
     ]

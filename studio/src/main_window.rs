@@ -30,6 +30,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         Some(ClipboardContent::Pixels(image)) => ui.ctx().copy_image(egui::ColorImage::clone(&image)),
         None => {}
     }
+    // asked for where no plot is under the pointer
+    studio.view.is_second_cursor_asked = false;
     studio.view.had_keyboard_focus = ui.ctx().egui_wants_keyboard_input();
     for command in queue {
         zoom(ui, &command);

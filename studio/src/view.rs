@@ -189,6 +189,8 @@ pub struct StudioView {
     pub chart: Option<Chart>,
     /// The title of the plot that is to show its whole content.
     pub fit_request: Option<String>,
+    /// `true` if the second cursor of the plot under the pointer is to be set or taken away.
+    pub is_second_cursor_asked: bool,
     /// Key of the limits of plots beside their axes: the project and the part that is shown.
     pub limits_scope: String,
     /// The mode of the mechanism that is animated; 0 for none.
@@ -240,6 +242,7 @@ impl Default for StudioView {
             output_folder: None,
             chart: None,
             fit_request: None,
+            is_second_cursor_asked: false,
             limits_scope: String::new(),
             mode: 0,
             requirement: 0,
@@ -296,6 +299,7 @@ impl StudioView {
             Command::ShowDiagnosis { tab } => (self.page, self.diagnosis_tab) = (Page::Diagnose, *tab),
             Command::Help => self.help.toggle(page_topic(self.page)),
             Command::CloseHint => self.shows_hint = false,
+            Command::ToggleSecondCursor => self.is_second_cursor_asked = true,
             Command::MaximisePlot | Command::HidePlot | Command::ShowPlot { .. } | Command::ResetPlots => {
                 self.arrange_plots(command);
             }

@@ -243,6 +243,31 @@ fn the_wheel_zooms_a_plot_a_double_click_fits_it_and_another_unit_does_too() {
 }
 
 #[test]
+fn a_second_cursor_measures_differences_until_it_is_taken_away() {
+    let folder = rig("second-cursor");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    bench.state_mut().run(&Command::Go { page: Page::Design });
+    bench.run_steps(3);
+    let differs = |bench: &StudioHarness| bench.query_all_by_label_contains("(+").next().is_some();
+    let plot = bench.get_by_label_contains("plot: Step of the demand").rect();
+    let place = |share: f32| plot.left_center() + share * plot.size() * egui::Vec2::X;
+    bench.hover_at(place(0.4));
+    bench.run_steps(2);
+    assert!(!differs(&bench));
+    bench.key_press_modifiers(CTRL, Key::J);
+    bench.run_steps(2);
+    bench.hover_at(place(0.7));
+    bench.run_steps(3);
+    assert!(differs(&bench), "the distance from the second cursor is shown");
+    bench.key_press_modifiers(CTRL, Key::J);
+    bench.run_steps(3);
+    assert!(!differs(&bench), "the same takes it away");
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
 fn a_project_without_a_controller_is_an_ordinary_one() {
     let folder = rig("model-only");
     let whole = on_disk(&folder);

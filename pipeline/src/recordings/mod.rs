@@ -7,10 +7,11 @@
 //!
 //! Modules in reading order: [`read`](mod@read), [`replay`](mod@replay), [`project_replayer`], [`diagnose`](mod@diagnose), [`identify`](mod@identify),
 //! [`experiment`] (the next one, which separates what a diagnosis leaves), [`held_out_recordings`] (recordings that no diagnosis was given, before and after),
-//! [`channel_words`](mod@channel_words) (what a machine's channels are called), [`tracks`] (channels as measured and as simulated), [`residuals`] (what the models leave unexplained), [`redesign`] (what an improved model means for the design),
+//! [`channel_words`](mod@channel_words) (what a machine's channels are called), [`tracks`] (channels as measured and as simulated), [`amplitude_density`] (their spectra), [`residuals`] (what the models leave unexplained), [`redesign`] (what an improved model means for the design),
 //! [`converter_range`] (readings that cannot be), [`controller_origin`] (which export the recordings' controller comes from),
 //! [`column_remarks`] (what was found about columns), [`structure_hypotheses`] and [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
 
+pub mod amplitude_density;
 pub mod channel_words;
 pub mod column_remarks;
 pub mod controller_origin;

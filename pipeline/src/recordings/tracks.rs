@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::exchange::{RunHistory, RunSignal};
+use crate::recordings::amplitude_density::AmplitudeDensity;
 use crate::recordings::channel_words::{ChannelWords, channel_words};
 use counterpoise_models::{ControlledQuantity, Parameters};
 use counterpoise_recordings::{Channel, ColumnName, Recording, Signals};
@@ -25,6 +26,10 @@ pub struct ChannelTrack {
     pub residuals: Signals<ResidualColumn>,
     /// Power of the residual of the model as it was, relative to that of what was measured.
     pub relative_residual_power: f64,
+    /// Amplitude spectral density of what was measured; `None` if it is too short or does not move.
+    pub measured_density: Option<AmplitudeDensity>,
+    /// Those of the residuals of the model as it was and of the improved one.
+    pub residual_densities: [Option<AmplitudeDensity>; 2],
 }
 
 /// A run of a [`ChannelTrack`]: a column of its array.
@@ -76,11 +81,15 @@ impl ChannelTrack {
         let before = signals.column(TrackColumn::Before);
         let sum: f64 = measured.iter().zip(before).map(|(m, b)| (m - b).powi(2)).sum();
         let power: f64 = measured.iter().map(|m| m * m).sum();
+        let period_s = recording.sample_period_s;
+        let density_of = |which: usize| AmplitudeDensity::of(residuals.get(which)?, period_s);
         Self {
+            measured_density: AmplitudeDensity::of(measured, period_s),
+            residual_densities: [0, 1].map(density_of),
             recording: short_name(&recording.name),
             channel,
             words,
-            period_s: recording.sample_period_s,
+            period_s,
             residuals: Signals::stack(residuals.iter().map(Vec::as_slice)),
             relative_residual_power: sum / power.max(f64::MIN_POSITIVE),
             signals,

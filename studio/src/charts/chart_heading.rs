@@ -35,6 +35,8 @@ pub struct HeadingStyle<'a> {
     pub corner: Option<&'a str>,
     /// Position of the cursor on the x axis.
     pub cursor: Option<f64>,
+    /// Position of the second cursor, from which differences are measured.
+    pub second: Option<f64>,
 }
 
 /// Response of a heading to the user.
@@ -53,11 +55,11 @@ pub fn show_heading(
     limits: &PlotLimits,
 ) -> HeadingResponse {
     // the names alone decide, so that the plot does not jump when the pointer enters it
-    let names = legend_width(ui, &legend_entries(chart, None));
+    let names = legend_width(ui, &legend_entries(chart, None, None));
     let room =
         ui.available_width() - TITLE_ROOM - if style.corner.is_some() { CORNER_SIZE + GAP } else { 0.0 };
     let fits = text_width(ui, &chart.title, TITLE_SIZE) + names < room;
-    let entries = legend_entries(chart, style.cursor);
+    let entries = legend_entries(chart, style.cursor, style.second);
     let response = ui.horizontal(|ui| {
         ui.set_height(ROW_HEIGHT);
         let title = fits.then(|| show_title(ui, chart, style));
@@ -70,7 +72,8 @@ pub fn show_heading(
                 limits.reset(ui);
             }
             if let Some(x) = style.cursor {
-                let text = egui::RichText::new(format!("at {}", format_short(x)));
+                let difference = style.second.map_or_else(String::new, |from| signed(x - from));
+                let text = egui::RichText::new(format!("at {}{difference}", format_short(x)));
                 ui.label(text.small().color(style.theme.accent));
             }
             let left = ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| match title {
@@ -140,12 +143,23 @@ fn text_width(ui: &Ui, text: &str, size: f32) -> f32 {
     ui.painter().layout_no_wrap(text.to_owned(), font, Color32::WHITE).size().x
 }
 
-/// Returns the named curves with their names, and with their values at the cursor if there is one. The curves of the design stand before
+/// Returns a difference with its sign, in brackets.
+fn signed(difference: f64) -> String {
+    format!(" ({}{})", if difference < 0.0 { "" } else { "+" }, format_short(difference))
+}
+
+/// Returns the named curves with their names, with their values at the cursor if there is one, and with the differences from those at the second cursor. The curves of the design stand before
 /// the dotted ones of others.
-fn legend_entries(chart: &Chart, cursor: Option<f64>) -> Vec<LegendEntry<'_>> {
-    let text = |curve: &ChartCurve| match cursor.and_then(|x| curve.points.value_at(x)) {
-        Some(value) => format!("{} {}", curve.name, format_short(value)),
-        None => curve.name.clone(),
+fn legend_entries(chart: &Chart, cursor: Option<f64>, second: Option<f64>) -> Vec<LegendEntry<'_>> {
+    let text = |curve: &ChartCurve| {
+        let at = |x: Option<f64>| x.and_then(|x| curve.points.value_at(x));
+        match (at(cursor), at(second)) {
+            (Some(value), Some(from)) => {
+                format!("{} {}{}", curve.name, format_short(value), signed(value - from))
+            }
+            (Some(value), None) => format!("{} {}", curve.name, format_short(value)),
+            (None, _) => curve.name.clone(),
+        }
     };
     let named = chart.curves.iter().filter(|curve| !curve.name.is_empty());
     let mut entries: Vec<_> = named.map(|curve| LegendEntry { curve, text: text(curve) }).collect();

@@ -11,6 +11,7 @@ use super::hidden_curves::HiddenCurves;
 use super::line_simplification::simplify_line;
 use super::plot_labels::draw_labels;
 use super::plot_limits::PlotLimits;
+use super::second_cursor::{second_cursor, toggle_second_cursor};
 use crate::theme::WindowTheme;
 use crate::tolerance::FEWEST_BAND_POINTS;
 
@@ -56,7 +57,8 @@ pub fn show_chart(ui: &mut Ui, chart: &Chart, style: ChartStyle, size: Vec2) -> 
             let mut limits = PlotLimits::new(chart, style.scope);
             let top = ui.cursor().top();
             let cursor = cursor_position(ui, chart);
-            let heading_style = HeadingStyle { theme: style.theme, corner: style.corner, cursor };
+            let second = second_cursor(ui.ctx(), chart);
+            let heading_style = HeadingStyle { theme: style.theme, corner: style.corner, cursor, second };
             let heading = show_heading(ui, chart, &heading_style, &limits);
             let height = (inner.y - (ui.cursor().top() - top) - 2.0).max(LEAST_HEIGHT);
             let (transform, response) =
@@ -123,13 +125,21 @@ fn show_plot(
         let id = egui::Id::unique(("group", group));
         plot = plot.link_axis(id, [true, false]).link_cursor(id, [true, false]);
     }
+    let second = second_cursor(ui.ctx(), chart);
     let shown = plot.show(ui, |plot| {
         limits.apply(chart, plot);
+        draw_second_cursor(plot, chart, theme, second);
         draw_chart(plot, chart, &hidden, theme, size);
     });
     let (title, response) = (chart.title.clone(), shown.response);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("plot: {title}")));
     keep_cursor(ui, chart, &shown.transform, &response);
+    if response.clicked()
+        && ui.input(|input| input.modifiers.shift)
+        && let Some(x) = cursor_position(ui, chart)
+    {
+        toggle_second_cursor(ui.ctx(), chart, x);
+    }
     draw_bounds(ui, chart, theme, &shown.transform);
     draw_labels(ui, chart, theme, &shown.transform);
     (shown.transform, response)
@@ -218,6 +228,18 @@ fn draw_line<'a>(
     let is_dense = points.len() > FEWEST_BAND_POINTS;
     let line = Line::new(&curve.name, PlotPoints::from(points)).allow_band(is_dense);
     plot.line(line.color(curve.colour).width(1.6).style(style));
+}
+
+/// Draws the second cursor as a dashed line.
+fn draw_second_cursor(
+    plot: &mut egui_plot::PlotUi<'_>,
+    chart: &Chart,
+    theme: &WindowTheme,
+    second: Option<f64>,
+) {
+    let Some(x) = second.map(|x| chart.plot_coordinate(PlotAxis::X, x)) else { return };
+    let line = egui_plot::VLine::new("", x).color(theme.accent).width(1.2).allow_hover(false);
+    plot.vline(line.style(LineStyle::dashed_dense()));
 }
 
 fn draw_spots(plot: &mut egui_plot::PlotUi<'_>, chart: &Chart, theme: &WindowTheme) {

@@ -60,6 +60,8 @@ pub enum DiagnosisTab {
     CrossPlot,
     /// Residuals.
     Errors,
+    /// Spectra of the channels and of their residuals.
+    Spectra,
     /// The findings, and how the fit improved.
     Findings,
     /// The localisation map.
@@ -161,10 +163,11 @@ impl VerificationTab {
 
 impl DiagnosisTab {
     /// All tabs.
-    pub const ALL: [DiagnosisTab; 6] = [
+    pub const ALL: [DiagnosisTab; 7] = [
         DiagnosisTab::Signals,
         DiagnosisTab::CrossPlot,
         DiagnosisTab::Errors,
+        DiagnosisTab::Spectra,
         DiagnosisTab::Findings,
         DiagnosisTab::Map,
         DiagnosisTab::Tried,
@@ -176,6 +179,7 @@ impl DiagnosisTab {
             DiagnosisTab::Signals => "Signals",
             DiagnosisTab::CrossPlot => "X-Y",
             DiagnosisTab::Errors => "Residuals",
+            DiagnosisTab::Spectra => "Spectra",
             DiagnosisTab::Findings => "Findings",
             DiagnosisTab::Map => "Localisation",
             DiagnosisTab::Tried => "Hypotheses",

@@ -298,6 +298,8 @@ pub enum Command {
     ResetPlots,
     /// Shows the whole content of the plot under the pointer (or of the last one).
     FitPlot,
+    /// Sets the second cursor of the plot under the pointer there, from which differences are measured; takes it away if it is set.
+    ToggleSecondCursor,
     /// Copies that plot as numbers.
     CopyCsv,
     /// Copies it as a drawing.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use counterpoise_host::files::{self, ProjectFolder, recording_files};
 use counterpoise_host::worker::CancelToken;
 use counterpoise_models::Parameters;
+use counterpoise_pipeline::recordings::amplitude_density::AmplitudeDensity;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::read_table_and_recordings;
 use counterpoise_pipeline::recordings::tracks::{SimulatedChannel, simulate_channel};
@@ -86,6 +87,8 @@ pub struct ChannelView {
     pub model: Option<SimulatedView>,
     /// Simulation by the diagnosed model.
     pub improved: Option<SimulatedView>,
+    /// Amplitude spectral density of the recorded samples; `None` if they are too few or do not move.
+    pub density: Option<AmplitudeDensity>,
 }
 
 /// Simulation of a channel by a model.
@@ -97,6 +100,8 @@ pub struct SimulatedView {
     pub residual: Arc<MinMaxPyramid>,
     /// RMS of the residual over the noise floor of the project's model, if that simulates the channel.
     pub residual_over_floor: Option<f64>,
+    /// Amplitude spectral density of the residual.
+    pub residual_density: Option<AmplitudeDensity>,
 }
 
 /// Returns the recordings with their replays, or `None` if the job was cancelled.
@@ -231,11 +236,13 @@ fn channel_views(recording: &Recording, replays: [Option<&Replay>; 2]) -> Vec<Ch
     let view = |found: SimulatedChannel| SimulatedView {
         signal: pyramid(&found.signal),
         residual: pyramid(&found.residual),
+        residual_density: AmplitudeDensity::of(&found.residual, period),
         residual_over_floor: found.residual_over_floor,
     };
     let one = |(channel, measured): (Channel, &[f64])| {
         let [model, improved] = simulate_channel(recording, channel, replays).map(|found| found.map(view));
-        ChannelView { channel, measured: pyramid(measured), model, improved }
+        let density = AmplitudeDensity::of(measured, period);
+        ChannelView { channel, measured: pyramid(measured), model, improved, density }
     };
     recording.channels().map(one).collect()
 }

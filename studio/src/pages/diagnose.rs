@@ -2,7 +2,7 @@
 
 use egui::{RichText, Ui};
 
-use super::recording_charts::{residual_chart, signal_chart};
+use super::recording_charts::{density_chart, residual_chart, signal_chart};
 use super::{findings, recording_cross_plot, recording_mapping, widgets};
 use crate::command::{BrowsePurpose, Command, DiagnosisTab};
 use crate::jobs::BackgroundJobs;
@@ -43,7 +43,9 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
     show_tabs(ui, view, queue, jobs);
     match (view.diagnosis_tab, &jobs.diagnosis) {
-        (DiagnosisTab::Signals | DiagnosisTab::Errors, _) => show_channels(ui, view, queue, jobs),
+        (DiagnosisTab::Signals | DiagnosisTab::Errors | DiagnosisTab::Spectra, _) => {
+            show_channels(ui, view, queue, jobs)
+        }
         (DiagnosisTab::CrossPlot, _) => show_cross_plot(ui, view, queue, jobs),
         (_, Some(Err(why))) => {
             widgets::show_error_list(ui, &theme, "The recordings could not be diagnosed", why);
@@ -199,7 +201,11 @@ fn show_channels(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, j
     let area = widgets::take_remaining_area(ui);
     let columns = if shown.len() >= TWO_COLUMNS_FROM { 2 } else { 1 };
     for (cell, channel) in widgets::grid_cells(area, shown.len(), columns).iter().zip(shown) {
-        let chart = if shows_residuals { residual_chart(view, channel) } else { signal_chart(view, channel) };
+        let chart = match view.diagnosis_tab {
+            DiagnosisTab::Errors => residual_chart(view, channel),
+            DiagnosisTab::Spectra => density_chart(view, channel),
+            _ => signal_chart(view, channel),
+        };
         widgets::show_chart(ui, view, queue, *cell, &chart);
     }
 }

@@ -1,13 +1,15 @@
 //! Recorded and simulated channels as charts.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use counterpoise_pipeline::recordings::amplitude_density::AmplitudeDensity;
 use counterpoise_recordings::Channel;
 
-use crate::charts::chart::{Chart, ChartCurve, LineDash};
+use crate::charts::chart::{AxisScale, Chart, ChartCurve, LineDash};
 use crate::charts::curve_points::CurvePoints;
 use crate::charts::min_max_pyramid::MinMaxPyramid;
-use crate::jobs::recording_views::ChannelView;
+use crate::jobs::recording_views::{ChannelView, SimulatedView};
 use crate::units::DisplayUnit;
 use crate::view::StudioView;
 
@@ -58,6 +60,29 @@ pub fn residual_chart(view: &StudioView, channel: &ChannelView) -> Chart {
     }
     if let Some(improved) = &channel.improved {
         chart = chart.with_any_curve(long_curve(view, "with the diagnosis", 2, &improved.residual, &unit));
+    }
+    chart
+}
+
+/// Returns the amplitude spectral densities of a channel as measured, and of what the model and the diagnosed model leave of it.
+pub fn density_chart(view: &StudioView, channel: &ChannelView) -> Chart {
+    let (titled, unit) = channel_chart(view, channel);
+    let name = channel_words(channel.channel);
+    let label = format!("{name}, {}/root Hz", unit.name);
+    let mut chart = Chart::new(&titled.title, view.units.frequency_label(), &label).with_group("spectra");
+    chart.scales = [AxisScale::Log; 2];
+    let residual = |simulated: &Option<SimulatedView>| simulated.as_ref()?.residual_density.clone();
+    let curves = [
+        ("measured", 1, channel.density.clone()),
+        ("residual of the model", 0, residual(&channel.model)),
+        ("residual with the diagnosis", 2, residual(&channel.improved)),
+    ];
+    for (name, colour, density) in curves {
+        let Some(AmplitudeDensity { frequency_hz, density }) = density else { continue };
+        let shown = |(hz, value): (&f64, &f64)| [view.units.display_frequency(TAU * hz), unit.factor * value];
+        let points =
+            frequency_hz.iter().zip(&density).filter(|(_, value)| **value > 0.0).map(shown).collect();
+        chart = chart.with_curve(name, view.theme.curves[colour], LineDash::Solid, points);
     }
     chart
 }

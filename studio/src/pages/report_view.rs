@@ -206,7 +206,9 @@ fn show_figures(
     let mut clicked = None;
     for ((figure, chart), cell) in charts.iter().zip(cells(area, charts.len(), columns)) {
         let shown = widgets::show_chart(ui, view, queue, cell, chart);
-        if let Some(at) = shown.response.interact_pointer_pos().filter(|_| shown.response.clicked()) {
+        // a click with Shift sets the second cursor
+        let is_click = shown.response.clicked() && !ui.input(|input| input.modifiers.shift);
+        if let Some(at) = shown.response.interact_pointer_pos().filter(|_| is_click) {
             let value = |position| {
                 let point = shown.transform.value_from_position(position);
                 [chart.value_at(PlotAxis::X, point.x), chart.value_at(PlotAxis::Y, point.y)]

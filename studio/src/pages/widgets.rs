@@ -5,6 +5,7 @@ use egui::{Rect, RichText, Ui, Vec2, vec2};
 
 use crate::charts::chart::Chart;
 use crate::charts::chart_view::{self, ChartResponse, ChartStyle};
+use crate::charts::second_cursor::toggle_second_cursor;
 use crate::command::{BrowsePurpose, Command};
 use crate::editing::key_reference::find_key;
 use crate::editing::weight_handles::round_to_three_digits;
@@ -55,6 +56,11 @@ pub fn show_chart(
     if shown.response.hovered() || view.chart.is_none() {
         view.chart = Some(chart.clone());
     }
+    if let (true, Some(x)) = (shown.response.hovered(), chart_view::cursor_position(ui, chart))
+        && std::mem::take(&mut view.is_second_cursor_asked)
+    {
+        toggle_second_cursor(ui.ctx(), chart, x);
+    }
     if shown.response.hovered() {
         view.help.note(&chart.title, plot_help(&chart.title));
     }
@@ -78,7 +84,8 @@ pub fn show_chart(
         if let Some(action) = corner {
             show_tile_menu(ui, queue, action);
         }
-        let hint = "the wheel zooms, a drag pans, a double click fits";
+        let hint =
+            "the wheel zooms, a drag pans, a double click fits, a click with Shift measures from there";
         ui.label(RichText::new(hint).small().color(theme.weak));
     });
     shown
