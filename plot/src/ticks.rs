@@ -73,9 +73,13 @@ fn is_positive_range(from: f64, to: f64) -> bool {
 }
 
 fn whole_decades(first: f64, last: f64, intervals: f64) -> Vec<Tick> {
-    let stride = ((last - first) / intervals).ceil().max(1.0) as i32;
+    let widest = ((last - first) / intervals).ceil().max(1.0) as i32;
     let whole = ((first - TICK_SLACK).ceil() as i32)..=((last + TICK_SLACK).floor() as i32);
-    let decades: Vec<i32> = whole.filter(|decade| decade.rem_euclid(stride) == 0).collect();
+    let with_stride =
+        |stride: i32| -> Vec<i32> { whole.clone().filter(|decade| decade.rem_euclid(stride) == 0).collect() };
+    // of an axis that holds several decades two have a number, even if they stand closer than others would
+    let enough = (1..=widest).rev().map(with_stride).find(|decades| decades.len() >= 2);
+    let decades = enough.unwrap_or_else(|| with_stride(widest));
     // either all as numbers or all as powers
     let are_short = decades.iter().all(|decade| SHORT_DECADES.contains(decade));
     let text = |decade: i32| {

@@ -20,6 +20,11 @@ fn ticks_are_round_and_few() {
     assert_eq!(texts(&logarithmic_ticks(0.01, 100.0, 9.0)), ["0.01", "0.1", "1", "10", "100"]);
     assert_eq!(texts(&logarithmic_ticks(2.0, 9.0, 9.0)), ["2", "5"]);
     assert_eq!(
+        texts(&logarithmic_ticks(5e-3, 800.0, 2.0)),
+        ["0.01", "1", "100"],
+        "a low plot over five decades"
+    );
+    assert_eq!(
         texts(&logarithmic_ticks(2.1, 2.4, 9.0)),
         ["2.10", "2.15", "2.20", "2.25", "2.30", "2.35", "2.40"]
     );
