@@ -59,7 +59,7 @@ pub fn minimal_realisation(g: &StateSpace, tolerance: f64) -> Result<MinimalReal
     } else {
         connected_part(&system, tolerance, gap)?
     };
-    // What is left of a group of weak states is unreached or unobservable, which is one and the same in these units; in those of the caller the weaker one.
+    // What is left of a group of weak states is uncontrollable or unobservable, which is one and the same in these units; in those of the caller the weaker one.
     let unreached = weak.iter().filter(|&&i| scaled.states[i] < 1.0).count();
     found.unreachable += g.order() - reached.len() + unreached;
     found.unobservable += reached.len() - connected.len() + weak.len() - unreached;

@@ -58,8 +58,13 @@ const LOOP: [PlotTile; 9] = [
     tile("hub-for-control", "Hub for 1 V on the control"),
     tile("control-for-noise", "Control for demand and noise"),
 ];
-const HISTORIES: [PlotTile; 4] =
-    [tile("hub", "Hub"), tile("control", "Control"), tile("drive", "Drive"), tile("tip", "Tip")];
+const HISTORIES: [PlotTile; 5] = [
+    tile("hub", "Hub"),
+    tile("control", "Control"),
+    tile("drive", "Drive"),
+    tile("tip", "Tip"),
+    tile("mechanism", "Mechanism"),
+];
 const REJECTION: [PlotTile; 4] = [
     tile("heave", "Rejection of heave"),
     tile("pitch", "Rejection of pitch"),
@@ -114,7 +119,9 @@ impl TilePlace {
                 row(&["nyquist", "root-locus", "sensitivity"]),
                 row(&["hub-for-demand", "hub-for-control", "control-for-noise"]),
             ]),
-            TilePlace::Histories => column(vec![row(&["hub", "control"]), row(&["drive", "tip"])]),
+            TilePlace::Histories => {
+                column(vec![row(&["hub", "control"]), row(&["drive", "tip", "mechanism"])])
+            }
             TilePlace::Rejection => {
                 column(vec![row(&["heave", "pitch"]), row(&["loop-gain", "sensitivity"])])
             }

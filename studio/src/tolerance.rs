@@ -45,3 +45,6 @@ pub(crate) const CLICK_REACH: f64 = 0.04;
 /// Points of a curve from which on those of one pixel column may be drawn as a band: about as many as a plot is wide in pixels. With fewer the band would
 /// fill the corner of two steep lines.
 pub(crate) const FEWEST_BAND_POINTS: usize = 600;
+
+/// Angle to which a motion is magnified to be seen, rad: about a seventh of a right angle.
+pub(crate) const SEEN_ANGLE_RAD: f64 = 0.22;

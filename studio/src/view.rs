@@ -201,6 +201,8 @@ pub struct StudioView {
     pub section: usize,
     /// Inputs of the page Commission.
     pub commissioning: CommissioningInputs,
+    /// The time at which the mechanism is drawn.
+    pub motion: MotionState,
     /// The study of the page Studies.
     pub study: StudyKind,
     /// What the user gives the studies.
@@ -213,6 +215,15 @@ pub struct StudioView {
     pub help: HelpState,
     /// `true` until the hint on what can be dragged was closed.
     pub shows_hint: bool,
+}
+
+/// The time of a run at which its mechanism is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MotionState {
+    /// Time, s.
+    pub time_s: f64,
+    /// `true` while it runs on.
+    pub is_running: bool,
 }
 
 impl Default for StudioView {
@@ -248,6 +259,7 @@ impl Default for StudioView {
             requirement: 0,
             section: 0,
             commissioning: CommissioningInputs::default(),
+            motion: MotionState::default(),
             study: StudyKind::Search,
             study_inputs: StudyInputs::default(),
             text: TextViewState::default(),

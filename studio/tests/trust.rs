@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use common::{StudioHarness, bench, crash, rest, rig, says, studio, text, wait_for_files, wait_until};
-use counterpoise_studio::command::{BrowsePurpose, Command, DesignSlot, Page};
+use counterpoise_studio::command::{BrowsePurpose, Command, DesignSlot, Page, VerificationTab};
 use counterpoise_studio::studio::{Studio, WindowClosing};
 use counterpoise_studio::view::CloseTarget;
 use egui::{Key, Modifiers};
@@ -238,6 +238,28 @@ fn the_wheel_zooms_a_plot_a_double_click_fits_it_and_another_unit_does_too() {
     bench.state_mut().run(&Command::ToggleGain);
     bench.run_steps(4);
     assert!(bench.query_by_label("Fit").is_none(), "limits in dB say nothing about absolute gains");
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn the_mechanism_moves_with_the_slider_and_with_the_cursor_on_a_plot_over_time() {
+    let folder = rig("mechanism");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    bench.state_mut().run(&Command::ShowVerification { tab: VerificationTab::Histories });
+    rest(&mut bench);
+    assert!(says(&bench, "plot: Mechanism") && says(&bench, "0.00 s, motion x"));
+    bench.state_mut().view.motion.time_s = 0.5;
+    bench.run_steps(2);
+    assert!(says(&bench, "0.50 s, motion x"));
+    let plot = bench.get_by_label("plot: Control").rect();
+    bench.hover_at(plot.left_center() + 0.25 * plot.size() * egui::Vec2::X);
+    bench.run_steps(3);
+    assert!(!says(&bench, "0.50 s, motion x"), "the cursor leads");
+    bench.get_by_label("Run").click();
+    bench.run_steps(3);
+    assert!(bench.state().view.motion.time_s > 0.5, "it runs on");
     drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
 }

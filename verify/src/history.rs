@@ -81,6 +81,19 @@ pub struct History {
 }
 
 impl History {
+    /// Returns the platform's pitch angle from the start of the run, rad: the integral of its rate by the trapezoidal rule.
+    pub fn platform_angles_rad(&self) -> Vec<f64> {
+        let (times, rates) =
+            (self.signals.column(HistoryColumn::Time), self.signals.column(HistoryColumn::PitchRate));
+        let mut angle = 0.0;
+        let steps = times.windows(2).zip(rates.windows(2)).map(|(time, rate)| {
+            angle += 0.5 * (time[1] - time[0]) * (rate[0] + rate[1]);
+            angle
+        });
+        let first = (!times.is_empty()).then_some(0.0);
+        first.into_iter().chain(steps).collect()
+    }
+
     /// Returns a history whose signals are all 0.
     pub(crate) fn zeros(model: Model, experiment: Experiment, samples: usize) -> Self {
         let columns = match model {

@@ -11,7 +11,7 @@ const fn text(title: &'static str, text: &'static str) -> PlotText {
 }
 
 /// The plots; the first whose title begins alike is taken.
-const PLOTS: [PlotText; 21] = [
+const PLOTS: [PlotText; 22] = [
     text(
         "Weights",
         "The weights of the cost over frequency. The controller makes the weighted signals small: a higher error weight at a frequency asks for more rejection there, a higher control weight for less control. The handles are dragged or moved by arrow keys.",
@@ -53,6 +53,10 @@ const PLOTS: [PlotText; 21] = [
     text(
         "Root locus",
         "The poles of the closed loop as the loop gain grows. Crosses are the poles, rings the zeros; poles right of the vertical line are unstable.",
+    ),
+    text(
+        "Mechanism",
+        "The mechanism from the side at the time of the cursor or of the slider: the platform and the beam (or slide) on it, with the motion magnified as stated. The pointer on a plot over time moves it.",
     ),
     text("Hub for", "The response of the hub in the closed loop over frequency."),
     text(

@@ -13,7 +13,7 @@
 //! Modules in reading order: [`widgets`], [`frequency_charts`], [`no_controller`], [`welcome`], [`recent_places`], [`file_browser`], [`plant`],
 //! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`plot_tiles`], [`design`], [`plot_handles`], [`edge_grips`], [`weight_plot`], [`design_charts`],
 //! [`loop_charts`], [`requirement_values`], [`requirement_bounds`], [`requirement_strip`], [`design_figures`], [`kept_designs`], [`design_history`], [`verify`],
-//! [`verify_charts`], [`measurements`], [`diagnose`], [`recording_mapping`], [`recording_charts`], [`recording_cross_plot`], [`findings`], [`commission`],
+//! [`verify_charts`], [`mechanism_chart`], [`measurements`], [`diagnose`], [`recording_mapping`], [`recording_charts`], [`recording_cross_plot`], [`findings`], [`commission`],
 //! [`round_charts`], [`studies`], [`report_view`], [`project_text`], [`text_colours`].
 
 pub mod beam_drawing;
@@ -30,6 +30,7 @@ pub mod frequency_charts;
 pub mod kept_designs;
 pub mod loop_charts;
 pub mod measurements;
+pub mod mechanism_chart;
 pub mod no_controller;
 pub mod number_groups;
 pub mod plant;

@@ -52,7 +52,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let requirements = project.map_or_else(Requirements::default, |project| {
         Requirements::new(&opened.session, project, ValueSources::of_results(results, revision))
     });
-    let verification = verify_charts::ShownVerification { found, requirements: &requirements };
+    let elevation_rad = project.map_or(0.0, |project| project.model.operating_point.hub_angle_rad);
+    let verification = verify_charts::ShownVerification { found, requirements: &requirements, elevation_rad };
     widgets::side_panel("verdicts", &view.theme, SIDE_WIDTH).show(ui, |ui| {
         show_actions(ui, view, queue, state);
         ui.add_space(space::SMALL);

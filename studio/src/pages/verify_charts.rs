@@ -9,11 +9,13 @@ use egui::{Rect, Ui};
 
 use super::design_charts::with_overlays;
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
+use super::mechanism_chart::{MechanismDrawing, mechanism_chart};
 use super::plot_tiles::{self, TileRequest};
 use super::requirement_bounds::{BoundContext, BoundPlot, BoundedChart, ChartPlace, plot_bounds};
 use super::requirement_values::Requirements;
+use super::widgets;
 use crate::charts::chart::{Chart, LineDash};
-use crate::charts::chart_view::ChartResponse;
+use crate::charts::chart_view::{ChartResponse, cursor_position};
 use crate::command::Command;
 use crate::tile_layout::TilePlace;
 use crate::view::StudioView;
@@ -38,6 +40,8 @@ pub struct ShownVerification<'a> {
     pub found: &'a Verification,
     /// The requirements, whose limits are drawn.
     pub requirements: &'a Requirements,
+    /// Elevation of the beam at which it was verified, rad.
+    pub elevation_rad: f64,
 }
 
 impl ShownVerification<'_> {
@@ -79,11 +83,64 @@ struct TileChart {
 
 /// Shows the run behind the selected verdict: four of its signals under one cursor.
 pub fn show_histories(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, of: ShownVerification) {
+    show_time(ui, view, of);
     let draw = &mut |ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, tile: TileRequest| {
+        if tile.key == MECHANISM_KEY {
+            let chart = shown_mechanism(ui, view, of)?;
+            return Some(widgets::show_chart(ui, view, queue, tile.cell, &chart));
+        }
         let chart = signal_chart(view, of, tile.key)?;
         Some(of.show_tile(ui, view, queue, TileChart { chart, cell: tile.cell }))
     };
     plot_tiles::show(ui, view, queue, TilePlace::Histories, draw);
+}
+
+/// Key of the tile with the mechanism.
+const MECHANISM_KEY: &str = "mechanism";
+
+/// Returns the run behind the selected verdict on the full plant, or on the linear one if there is no other.
+fn selected_run<'a>(view: &StudioView, found: &'a Verification) -> Option<&'a History> {
+    let requirement = selected_requirement(view, found);
+    let experiment = requirement.map_or(Experiment::Step, |r| Experiment::from_figure(r.figure));
+    found.history(Model::Nonlinear, experiment).or_else(|| found.history(Model::Linear, experiment))
+}
+
+/// Shows the time at which the mechanism is drawn while the pointer is on no plot, and a button that lets it run.
+fn show_time(ui: &mut Ui, view: &mut StudioView, of: ShownVerification) {
+    let Some(run) = selected_run(view, of.found) else { return };
+    let end = run.signals.column(HistoryColumn::Time).last().copied().unwrap_or(0.0);
+    let motion = &mut view.motion;
+    if motion.is_running {
+        motion.time_s += f64::from(ui.input(|input| input.stable_dt));
+        motion.is_running = motion.time_s < end;
+        ui.ctx().request_repaint();
+    }
+    motion.time_s = motion.time_s.clamp(0.0, end);
+    ui.horizontal(|ui| {
+        let label = ui.label("time of the mechanism");
+        let slider = egui::Slider::new(&mut motion.time_s, 0.0..=end).suffix(" s").fixed_decimals(2);
+        ui.add(slider).labelled_by(label.id).on_hover_text("the pointer on a plot over time moves it, too");
+        let name = if motion.is_running { "Pause" } else { "Run" };
+        if ui.button(name).on_hover_text("at the pace of the run").clicked() {
+            motion.is_running = !motion.is_running;
+            if motion.time_s >= end {
+                motion.time_s = 0.0;
+            }
+        }
+    });
+}
+
+/// Returns the mechanism at the cursor of the plots over time, or at the time of the slider; `None` if there is no run.
+fn shown_mechanism(ui: &Ui, view: &StudioView, of: ShownVerification) -> Option<Chart> {
+    let run = selected_run(view, of.found)?;
+    let time_s = cursor_position(ui, &Chart::new("", "", "").with_group(TIME_GROUP));
+    let drawing = MechanismDrawing {
+        run,
+        time_s: time_s.unwrap_or(view.motion.time_s),
+        elevation_rad: of.elevation_rad,
+        is_slide: of.found.controlled_quantity().travel_unit() == "m",
+    };
+    Some(mechanism_chart(&view.theme, &drawing))
 }
 
 /// Returns a signal of the run behind the selected verdict, by the key of its tile.
