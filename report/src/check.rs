@@ -6,7 +6,7 @@ use counterpoise_project::diagnostic::MOST_SHOWN;
 use counterpoise_project::{Assumption, KeyTolerance, SectionStatement, ValueStatement};
 
 use crate::page::{ReportCell, ReportColumn, ReportSection, ReportTable};
-use crate::tolerance::NO_EFFECT;
+use crate::tolerance::{MOST_COUNTED, NO_EFFECT};
 use crate::wording::learned::describe_elements;
 
 /// Returns the lines that `counterpoise check` prints.
@@ -272,10 +272,13 @@ fn with_unit(value: f64, unit: &str) -> String {
     if unit.is_empty() { short_number(value) } else { format!("{} {unit}", short_number(value)) }
 }
 
-/// Returns a number with up to four significant digits.
+/// Returns a number with up to four significant digits, and a whole number, which counts something, with all of its digits.
 fn short_number(value: f64) -> String {
     if value.is_infinite() {
         return "infinite".to_owned();
+    }
+    if value.fract() == 0.0 && value.abs() < MOST_COUNTED {
+        return value.to_string();
     }
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     let size = rounded.abs();
@@ -342,4 +345,15 @@ fn effects_table(effects: &[AssumptionEffect]) -> ReportTable {
         }
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_count_keeps_its_digits_and_a_measured_value_four() {
+        let texts = [16384.0, -12.0, 0.0, 3.14159, 1.23456e-5, 4.2e12].map(short_number);
+        assert_eq!(texts, ["16384", "-12", "0", "3.142", "1.235e-5", "4.2e12"]);
+    }
 }

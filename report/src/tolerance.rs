@@ -47,3 +47,6 @@ pub(crate) const NO_READING: f64 = 0.1;
 
 /// Probability of deciding from which on two machines count as told apart by an experiment: that of the intervals everywhere.
 pub(crate) const TOLD_APART: f64 = 0.95;
+
+/// Whole numbers below it are counts, of an encoder for instance, and are written with all of their digits.
+pub(crate) const MOST_COUNTED: f64 = 1e9;

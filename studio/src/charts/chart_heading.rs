@@ -72,7 +72,7 @@ pub fn show_heading(
                 limits.reset(ui);
             }
             if let Some(x) = style.cursor {
-                let difference = style.second.map_or_else(String::new, |from| signed(x - from));
+                let difference = style.second.map_or_else(String::new, |from| difference_text(x - from));
                 let text = egui::RichText::new(format!("at {}{difference}", format_short(x)));
                 ui.label(text.small().color(style.theme.accent));
             }
@@ -144,7 +144,7 @@ fn text_width(ui: &Ui, text: &str, size: f32) -> f32 {
 }
 
 /// Returns a difference with its sign, in brackets.
-fn signed(difference: f64) -> String {
+fn difference_text(difference: f64) -> String {
     format!(" ({}{})", if difference < 0.0 { "" } else { "+" }, format_short(difference))
 }
 
@@ -155,7 +155,7 @@ fn legend_entries(chart: &Chart, cursor: Option<f64>, second: Option<f64>) -> Ve
         let at = |x: Option<f64>| x.and_then(|x| curve.points.value_at(x));
         match (at(cursor), at(second)) {
             (Some(value), Some(from)) => {
-                format!("{} {}{}", curve.name, format_short(value), signed(value - from))
+                format!("{} {}{}", curve.name, format_short(value), difference_text(value - from))
             }
             (Some(value), None) => format!("{} {}", curve.name, format_short(value)),
             (None, _) => curve.name.clone(),
