@@ -479,13 +479,13 @@ mod tests {
     fn plots_are_hidden_and_shown_again_and_the_last_one_stays() {
         let mut tiles = PlotTiles::default();
         let place = TilePlace::Histories;
-        for key in ["tip", "drive", "control", "hub"] {
+        for key in ["mechanism", "tip", "drive", "control", "hub"] {
             tiles.hide_plot(place, key);
         }
         let hidden: Vec<&str> = tiles.hidden_plots(place).iter().map(|plot| plot.key).collect();
-        assert_eq!(hidden, ["control", "drive", "tip"]);
+        assert_eq!(hidden, ["control", "drive", "tip", "mechanism"]);
         tiles.show_plot(place, "tip");
-        assert_eq!(tiles.hidden_plots(place).len(), 2);
+        assert_eq!(tiles.hidden_plots(place).len(), 3);
         assert!(tiles.layouts().contains_key(&place));
         tiles.reset(place);
         assert!(tiles.layouts().is_empty() && tiles.hidden_plots(place).is_empty());
