@@ -21,7 +21,8 @@ use counterpoise_project::resolve::controller_file::ControllerContent;
 use counterpoise_project::{Attachments, Document, Language, Purpose};
 
 use crate::machine_program::{
-    RunEnd, RunLimits, has_answer, read_answer, read_recording_file, request_of, run_machine, write_request,
+    RunEnd, RunLimits, check_same_limits, has_answer, read_answer, read_recording_file, request_of,
+    run_machine, write_request,
 };
 use crate::projects::{self, ProjectOnDisk, ProjectWorld};
 use crate::stages::ProgressDisplay;
@@ -256,7 +257,9 @@ impl Round<'_> {
             }
             let folder = self.folder.join(run.name);
             let request = request_of(run, self.number, self.setup.limits, hash);
-            if !has_answer(&folder) {
+            if has_answer(&folder) {
+                check_same_limits(&folder, &request)?;
+            } else {
                 write_request(&folder, &request, run)?;
                 run_machine(&self.setup.machine, &folder)?;
             }

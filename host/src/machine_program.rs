@@ -185,6 +185,26 @@ pub fn has_answer(folder: &Path) -> bool {
     folder.join(ANSWER).is_file()
 }
 
+/// Checks that a run which was answered before kept to the limits of today.
+///
+/// # Errors
+/// The run's request has other limits, or cannot be read.
+pub fn check_same_limits(folder: &Path, request: &MachineRequest) -> Result<()> {
+    let before = read_request(folder)?.limits;
+    if before != request.limits {
+        let current =
+            before.current_a.map_or_else(String::new, |current_a| format!(" --current {current_a}"));
+        bail!(
+            "{} was run with --angle {} --rate {}{current}: give the same limits to go on, or -o with another folder \
+             to begin anew",
+            folder.display(),
+            before.angle_rad,
+            before.rate_rad_s
+        );
+    }
+    Ok(())
+}
+
 /// Starts a machine program on a folder, through the shell, and waits until it ends.
 ///
 /// # Errors

@@ -31,7 +31,7 @@ pub struct RunRequest {
 pub struct MachineRun {
     /// The recording of its sensors and its controller.
     pub recording: Recording,
-    /// The largest angle, rate and current of the machine itself.
+    /// The largest angle from the start and the largest rate, both from the base, and the largest current of the machine.
     pub reached: ExperimentExtremes,
 }
 
@@ -89,12 +89,17 @@ impl MachineRun {
         }
         let truth = &history.truth;
         let peak = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most: f64, v| most.max(v.abs()));
-        let start = truth.hub_angle_rad().first().copied().unwrap_or(0.0);
+        let from_base = |hub: &[f64], base: &[f64]| -> Vec<f64> {
+            hub.iter().zip(base).map(|(hub, base)| hub - base).collect()
+        };
+        let angles = from_base(truth.hub_angle_rad(), truth.platform_angle_rad());
+        let rates = from_base(truth.hub_rate_rad_s(), truth.platform_rate_rad_s());
+        let start = angles.first().copied().unwrap_or(0.0);
         Self {
             recording,
             reached: ExperimentExtremes {
-                angle_rad: peak(&mut truth.hub_angle_rad().iter().map(|angle| angle - start)),
-                rate_rad_s: peak(&mut truth.hub_rate_rad_s().iter().copied()),
+                angle_rad: peak(&mut angles.iter().map(|angle| angle - start)),
+                rate_rad_s: peak(&mut rates.iter().copied()),
                 current_a: peak(&mut truth.current_a().iter().copied()),
             },
         }

@@ -166,7 +166,7 @@ def main():
         worst = max(worst, apart)
         print(f"{kind}: largest rate {largest:.4f} rad/s, largest difference {apart:.1e} of it; the recoiling mass ends at {end[3]:.1e} m")
     print("agrees" if worst <= TOLERANCE else "DIFFERS")
-    sys.exit(worst > TOLERANCE)
+    sys.exit(int(worst > TOLERANCE))
 
 
 main()
