@@ -21,8 +21,8 @@ use counterpoise_project::resolve::controller_file::ControllerContent;
 use counterpoise_project::{Attachments, Document, Language, Purpose};
 
 use crate::machine_program::{
-    RunEnd, RunLimits, check_same_limits, has_answer, read_answer, read_recording_file, request_of,
-    run_machine, write_request,
+    RunEnd, RunLimits, check_same_limits, check_within_limits, has_answer, read_answer, read_recording_file,
+    request_of, run_machine, write_request,
 };
 use crate::projects::{self, ProjectOnDisk, ProjectWorld};
 use crate::stages::ProgressDisplay;
@@ -291,6 +291,9 @@ impl Round<'_> {
         let (period_s, asked_s) = (first.recording.sample_period_s, run.request.sample_period_s);
         if !run.request.has_clock_of(&first.recording) {
             bail!("{} has a sample period of {period_s} s, the request {asked_s} s", file.name);
+        }
+        if ended == RunEnd::Complete {
+            check_within_limits(&first.recording, run.request.moves_base(), &self.setup.limits)?;
         }
         Ok(RecordedRun { run: run.clone(), recording: first.recording })
     }

@@ -205,6 +205,53 @@ pub fn check_same_limits(folder: &Path, request: &MachineRequest) -> Result<()> 
     Ok(())
 }
 
+/// Checks that a recording of a complete run shows no angle, rate or current beyond the limits of the run.
+///
+/// Angle and rate count from the base. A reading passes a limit where it is more than a tenth beyond it in three samples
+/// one after another: less may be noise of the sensor.
+///
+/// # Errors
+/// A quantity that passes its limit.
+pub fn check_within_limits(recording: &Recording, moves_base: bool, limits: &RunLimits) -> Result<()> {
+    let samples = |channel| recording.samples(channel).unwrap_or_default();
+    let angle = samples(Channel::HubPosition);
+    let start = angle.first().copied().unwrap_or(0.0);
+    let (hub_rate, base_rate) = (samples(Channel::HubRate), samples(Channel::PlatformRate));
+    let rate: Vec<f64> = match (moves_base, base_rate.is_empty()) {
+        (true, false) => hub_rate.iter().zip(base_rate).map(|(hub, base)| hub - base).collect(),
+        (true, true) => Vec::new(),
+        (false, _) => hub_rate.to_vec(),
+    };
+    let angle: Vec<f64> = angle.iter().map(|angle| angle - start).collect();
+    let current_limit = limits.current_a.unwrap_or(f64::INFINITY);
+    for (name, values, limit, unit) in [
+        ("angle from the start", angle.as_slice(), limits.angle_rad, "rad"),
+        ("rate", &rate, limits.rate_rad_s, "rad/s"),
+        ("current", samples(Channel::MotorCurrent), current_limit, "A"),
+    ] {
+        // A sample that is missing reaches nothing.
+        let size = |value: &f64| if value.is_nan() { 0.0 } else { value.abs() };
+        let reached = values
+            .windows(SAMPLES_BEYOND)
+            .map(|window| window.iter().fold(f64::INFINITY, |least: f64, value| least.min(size(value))))
+            .fold(0.0, f64::max);
+        if reached > READING_MARGIN * limit {
+            bail!(
+                "{}: the {name} reached {reached:.4} {unit}, its limit is {limit} {unit}, and the machine program \
+                 answered that the run is complete: mend the program, remove {RECORDING} and {ANSWER} of this run, and \
+                 go on",
+                recording.name
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Samples one after another beyond a limit that count as beyond it.
+const SAMPLES_BEYOND: usize = 3;
+/// How far beyond a limit a reading may be, as a ratio.
+const READING_MARGIN: f64 = 1.1;
+
 /// Starts a machine program on a folder, through the shell, and waits until it ends.
 ///
 /// # Errors
@@ -335,4 +382,58 @@ fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T> {
     let bytes = files::read_file(path).with_context(|| format!("cannot read {}", path.display()))?;
     serde_json::from_slice(&bytes)
         .with_context(|| format!("{} is not what the protocol describes", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: RunLimits = RunLimits { angle_rad: 1.0, rate_rad_s: 0.5, current_a: None };
+
+    fn refusal(recording: &Recording, moves_base: bool) -> String {
+        let checked = check_within_limits(recording, moves_base, &LIMITS);
+        checked.err().map_or_else(String::new, |error| error.to_string())
+    }
+
+    #[test]
+    fn a_recording_beyond_a_limit_is_refused_and_one_outlier_is_not() {
+        let plain = Recording::new("step", 0.01);
+        let outlier = plain.clone().with(Channel::HubRate, vec![0.0, 9.0, f64::NAN, 0.1, 0.54, 0.54, 0.54]);
+        assert_eq!(refusal(&outlier, false), "");
+        let beyond = plain.clone().with(Channel::HubRate, vec![0.0, -0.6, -0.7, -0.65, 0.0]);
+        assert!(refusal(&beyond, false).contains("the rate reached 0.6000 rad/s, its limit is 0.5 rad/s"));
+        let turned = plain.with(Channel::HubPosition, vec![3.0, 3.5, 4.5, 4.5, 4.5]);
+        assert!(refusal(&turned, false).contains("the angle from the start reached 1.5000 rad"));
+    }
+
+    #[test]
+    fn the_rate_of_a_moving_base_is_taken_from_that_of_the_hub() {
+        let follows = Recording::new("pitch", 0.01)
+            .with(Channel::HubRate, vec![0.9; 4])
+            .with(Channel::PlatformRate, vec![0.8; 4]);
+        assert_eq!(refusal(&follows, true), "");
+        assert!(refusal(&follows, false).contains("the rate reached 0.9000 rad/s"));
+    }
+
+    #[test]
+    fn a_run_of_other_limits_is_no_part_of_the_round() -> Result<()> {
+        let folder = tempfile::tempdir()?;
+        let request = MachineRequest {
+            protocol: PROTOCOL,
+            round: 1,
+            run: "step".to_owned(),
+            sample_period_s: 0.01,
+            samples: 4,
+            start_angle_rad: 0.0,
+            limits: LIMITS,
+            controller_hash: String::new(),
+            columns: Vec::new(),
+        };
+        files::write_file(&folder.path().join(REQUEST), json_text(&request)?.as_bytes())?;
+        check_same_limits(folder.path(), &request)?;
+        let narrower = MachineRequest { limits: RunLimits { angle_rad: 0.2, ..LIMITS }, ..request };
+        let refused = check_same_limits(folder.path(), &narrower);
+        assert!(refused.is_err_and(|error| error.to_string().contains("was run with --angle 1 --rate 0.5")));
+        Ok(())
+    }
 }
