@@ -293,7 +293,7 @@ impl Round<'_> {
             bail!("{} has a sample period of {period_s} s, the request {asked_s} s", file.name);
         }
         if ended == RunEnd::Complete {
-            check_within_limits(&first.recording, run.request.moves_base(), &self.setup.limits)?;
+            check_within_limits(&first.recording, &run.request, &self.setup.limits)?;
         }
         Ok(RecordedRun { run: run.clone(), recording: first.recording })
     }

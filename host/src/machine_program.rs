@@ -212,12 +212,12 @@ pub fn check_same_limits(folder: &Path, request: &MachineRequest) -> Result<()> 
 ///
 /// # Errors
 /// A quantity that passes its limit.
-pub fn check_within_limits(recording: &Recording, moves_base: bool, limits: &RunLimits) -> Result<()> {
+pub fn check_within_limits(recording: &Recording, asked: &RunRequest, limits: &RunLimits) -> Result<()> {
     let samples = |channel| recording.samples(channel).unwrap_or_default();
     let angle = samples(Channel::HubPosition);
     let start = angle.first().copied().unwrap_or(0.0);
     let (hub_rate, base_rate) = (samples(Channel::HubRate), samples(Channel::PlatformRate));
-    let rate: Vec<f64> = match (moves_base, base_rate.is_empty()) {
+    let rate: Vec<f64> = match (asked.moves_base(), base_rate.is_empty()) {
         (true, false) => hub_rate.iter().zip(base_rate).map(|(hub, base)| hub - base).collect(),
         (true, true) => Vec::new(),
         (false, _) => hub_rate.to_vec(),
@@ -238,7 +238,7 @@ pub fn check_within_limits(recording: &Recording, moves_base: bool, limits: &Run
         if reached > READING_MARGIN * limit {
             bail!(
                 "{}: the {name} reached {reached:.4} {unit}, its limit is {limit} {unit}, and the machine program \
-                 answered that the run is complete: mend the program, remove {RECORDING} and {ANSWER} of this run, and \
+                 answered that the run is complete: correct the program, remove {RECORDING} and {ANSWER} of this run, and \
                  go on",
                 recording.name
             );
@@ -390,8 +390,15 @@ mod tests {
 
     const LIMITS: RunLimits = RunLimits { angle_rad: 1.0, rate_rad_s: 0.5, current_a: None };
 
-    fn refusal(recording: &Recording, moves_base: bool) -> String {
-        let checked = check_within_limits(recording, moves_base, &LIMITS);
+    fn refusal(recording: &Recording, platform_rate_rad_s: &[f64]) -> String {
+        let asked = RunRequest {
+            sample_period_s: recording.sample_period_s,
+            demand: vec![0.0; recording.len()],
+            platform_rate_rad_s: platform_rate_rad_s.to_vec(),
+            platform_accel_m_s2: vec![0.0; platform_rate_rad_s.len()],
+            start_angle_rad: 0.0,
+        };
+        let checked = check_within_limits(recording, &asked, &LIMITS);
         checked.err().map_or_else(String::new, |error| error.to_string())
     }
 
@@ -399,11 +406,11 @@ mod tests {
     fn a_recording_beyond_a_limit_is_refused_and_one_outlier_is_not() {
         let plain = Recording::new("step", 0.01);
         let outlier = plain.clone().with(Channel::HubRate, vec![0.0, 9.0, f64::NAN, 0.1, 0.54, 0.54, 0.54]);
-        assert_eq!(refusal(&outlier, false), "");
+        assert_eq!(refusal(&outlier, &[]), "");
         let beyond = plain.clone().with(Channel::HubRate, vec![0.0, -0.6, -0.7, -0.65, 0.0]);
-        assert!(refusal(&beyond, false).contains("the rate reached 0.6000 rad/s, its limit is 0.5 rad/s"));
+        assert!(refusal(&beyond, &[]).contains("the rate reached 0.6000 rad/s, its limit is 0.5 rad/s"));
         let turned = plain.with(Channel::HubPosition, vec![3.0, 3.5, 4.5, 4.5, 4.5]);
-        assert!(refusal(&turned, false).contains("the angle from the start reached 1.5000 rad"));
+        assert!(refusal(&turned, &[]).contains("the angle from the start reached 1.5000 rad"));
     }
 
     #[test]
@@ -411,8 +418,8 @@ mod tests {
         let follows = Recording::new("pitch", 0.01)
             .with(Channel::HubRate, vec![0.9; 4])
             .with(Channel::PlatformRate, vec![0.8; 4]);
-        assert_eq!(refusal(&follows, true), "");
-        assert!(refusal(&follows, false).contains("the rate reached 0.9000 rad/s"));
+        assert_eq!(refusal(&follows, &[0.8; 4]), "");
+        assert!(refusal(&follows, &[]).contains("the rate reached 0.9000 rad/s"));
     }
 
     #[test]
