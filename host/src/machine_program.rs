@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files;
 use crate::json::json_text;
+use crate::tolerance::{READING_MARGIN, SAMPLES_BEYOND};
 
 /// Version of the protocol.
 const PROTOCOL: u32 = 1;
@@ -246,11 +247,6 @@ pub fn check_within_limits(recording: &Recording, asked: &RunRequest, limits: &R
     }
     Ok(())
 }
-
-/// Samples one after another beyond a limit that count as beyond it.
-const SAMPLES_BEYOND: usize = 3;
-/// How far beyond a limit a reading may be, as a ratio.
-const READING_MARGIN: f64 = 1.1;
 
 /// Starts a machine program on a folder, through the shell, and waits until it ends.
 ///

@@ -1,6 +1,6 @@
 //! The report of a planned experiment: its demand, what every machine that is left does in it, and which of them it tells apart.
 
-use counterpoise_diagnose::experiment::ExperimentPlan;
+use counterpoise_diagnose::experiment::{ExperimentPlan, MachineMotion};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -10,7 +10,7 @@ use crate::page::{
     ReportTable,
 };
 use crate::tolerance::TOLD_APART;
-use crate::wording::experiment::ExperimentPlanText;
+use crate::wording::experiment::{ExperimentPlanText, SeparationText};
 
 /// A plan, and the quantity that its machine controls.
 #[derive(Debug, Clone, Copy)]
@@ -77,7 +77,7 @@ fn separations_table(text: &ExperimentPlanText) -> ReportTable {
         ReportColumn::Text("probability of deciding"),
     ];
     let mut table = ReportTable::new("Which machines the experiment tells apart", &columns);
-    let row = |pair: &crate::wording::experiment::SeparationText| {
+    let row = |pair: &SeparationText| {
         let tone = if pair.probability >= TOLD_APART { OutcomeTone::Good } else { OutcomeTone::Neutral };
         vec![
             ReportCell::text(format!("{} and {}", pair.first + 1, pair.second + 1)),
@@ -93,19 +93,19 @@ fn separations_table(text: &ExperimentPlanText) -> ReportTable {
 fn motion_figure(planned: PlannedMotion<'_>) -> Option<Figure> {
     let (plan, controlled) = (planned.plan, planned.controlled);
     plan.motions.first()?;
-    let series = |of: &dyn Fn(&counterpoise_diagnose::experiment::MachineMotion) -> Vec<f64>| {
-        let one = |(k, motion): (usize, &counterpoise_diagnose::experiment::MachineMotion)| {
+    let series = |of: fn(&MachineMotion) -> &[f64]| {
+        let one = |(k, motion): (usize, &MachineMotion)| {
             let colour = Colour::CYCLE[k % Colour::CYCLE.len()];
             let points: Vec<(f64, f64)> =
-                of(motion).into_iter().enumerate().map(|(i, y)| (i as f64 * motion.period_s, y)).collect();
+                of(motion).iter().enumerate().map(|(i, y)| (i as f64 * motion.period_s, *y)).collect();
             Series::solid_line(&format!("{}", k + 1), colour, points)
         };
         plan.motions.iter().enumerate().map(one).collect::<Vec<Series>>()
     };
     let panels = vec![
-        Panel::new(Axis::linear("rate", controlled.rate().unit()), series(&|m| m.rate_rad_s.clone())),
-        Panel::new(Axis::linear("angle", controlled.travel_unit()), series(&|m| m.angle_rad.clone())),
-        Panel::new(Axis::linear("current", "A"), series(&|m| m.current_a.clone())),
+        Panel::new(Axis::linear("rate", controlled.rate().unit()), series(|m| &m.rate_rad_s)),
+        Panel::new(Axis::linear("angle", controlled.travel_unit()), series(|m| &m.angle_rad)),
+        Panel::new(Axis::linear("current", "A"), series(|m| &m.current_a)),
     ];
     let figure =
         Figure::new("The motion of every machine in the experiment", Axis::linear("time", "s"), panels);

@@ -153,9 +153,8 @@ fn density_figure(track: &ChannelTrack) -> Option<Figure> {
             found.frequency_hz.iter().copied().zip(found.density.iter().copied()).collect();
         Series::solid_line(name, colour, points)
     };
-    let measured = series("measured", Colour::Muted, track.measured_density.as_ref()?);
-    let residual =
-        track.residual_densities[0].as_ref().map(|found| series("residual", Colour::Second, found));
+    let measured = series("measured", Colour::Muted, &track.measured_density()?);
+    let residual = track.residual_density().map(|found| series("residual", Colour::Second, &found));
     let unit = format!("{}/root Hz", track.words.unit);
     let curves = std::iter::once(measured).chain(residual).collect();
     let panel = Panel::new(Axis::logarithmic(track.words.name, &unit), curves);

@@ -202,7 +202,6 @@ fn scaling(
     Ok(paces)
 }
 
-/// The time that a map took, and its fall with the threads.
 fn map_project_recordings(
     loaded: &ProjectOnDisk,
     plan: &MeasurementPlan,

@@ -26,10 +26,6 @@ pub struct ChannelTrack {
     pub residuals: Signals<ResidualColumn>,
     /// Power of the residual of the model as it was, relative to that of what was measured.
     pub relative_residual_power: f64,
-    /// Amplitude spectral density of what was measured; `None` if it is too short or does not move.
-    pub measured_density: Option<AmplitudeDensity>,
-    /// Those of the residuals of the model as it was and of the improved one.
-    pub residual_densities: [Option<AmplitudeDensity>; 2],
 }
 
 /// A run of a [`ChannelTrack`]: a column of its array.
@@ -62,6 +58,16 @@ impl ChannelTrack {
         RunHistory::new(format!("{} {}", self.recording, self.channel.name()), self.period_s, signals)
     }
 
+    /// Returns the amplitude spectral density of what was measured; `None` if it is too short or does not move.
+    pub fn measured_density(&self) -> Option<AmplitudeDensity> {
+        AmplitudeDensity::of(self.signals.column(TrackColumn::Measured), self.period_s)
+    }
+
+    /// Returns that of the residual of the model as it was.
+    pub fn residual_density(&self) -> Option<AmplitudeDensity> {
+        AmplitudeDensity::of(self.residuals.column(ResidualColumn::Before), self.period_s)
+    }
+
     /// Returns the quantity that the loop controls, if this is the track of its reading.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
         ControlledQuantity::of_unit(self.channel.unit())
@@ -81,15 +87,11 @@ impl ChannelTrack {
         let before = signals.column(TrackColumn::Before);
         let sum: f64 = measured.iter().zip(before).map(|(m, b)| (m - b).powi(2)).sum();
         let power: f64 = measured.iter().map(|m| m * m).sum();
-        let period_s = recording.sample_period_s;
-        let density_of = |which: usize| AmplitudeDensity::of(residuals.get(which)?, period_s);
         Self {
-            measured_density: AmplitudeDensity::of(measured, period_s),
-            residual_densities: [0, 1].map(density_of),
             recording: short_name(&recording.name),
             channel,
             words,
-            period_s,
+            period_s: recording.sample_period_s,
             residuals: Signals::stack(residuals.iter().map(Vec::as_slice)),
             relative_residual_power: sum / power.max(f64::MIN_POSITIVE),
             signals,

@@ -16,6 +16,7 @@ use counterpoise_synth::{
     AdaptiveController, Estimation, RecursiveLeastSquares, RecursiveSettings, WindowedMean,
 };
 use counterpoise_verify::Procedure;
+use counterpoise_verify::signals::rms;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
@@ -535,8 +536,4 @@ impl Stage<'_> {
 fn settled_rates(history: &TimeHistory) -> &[f64] {
     let all = history.truth.hub_rate_rad_s();
     &all[(SETTLE * all.len() as f64) as usize..]
-}
-
-fn rms(rates: &[f64]) -> f64 {
-    (rates.iter().map(|rate| rate * rate).sum::<f64>() / rates.len().max(1) as f64).sqrt()
 }

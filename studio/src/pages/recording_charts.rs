@@ -71,17 +71,18 @@ pub fn density_chart(view: &StudioView, channel: &ChannelView) -> Chart {
     let label = format!("{name}, {}/root Hz", unit.name);
     let mut chart = Chart::new(&titled.title, view.units.frequency_label(), &label).with_group("spectra");
     chart.scales = [AxisScale::Log; 2];
-    let residual = |simulated: &Option<SimulatedView>| simulated.as_ref()?.residual_density.clone();
+    fn residual(simulated: Option<&SimulatedView>) -> Option<&AmplitudeDensity> {
+        simulated?.residual_density.as_ref()
+    }
     let curves = [
-        ("measured", 1, channel.density.clone()),
-        ("residual of the model", 0, residual(&channel.model)),
-        ("residual with the diagnosis", 2, residual(&channel.improved)),
+        ("measured", 1, channel.density.as_ref()),
+        ("residual of the model", 0, residual(channel.model.as_ref())),
+        ("residual with the diagnosis", 2, residual(channel.improved.as_ref())),
     ];
     for (name, colour, density) in curves {
         let Some(AmplitudeDensity { frequency_hz, density }) = density else { continue };
         let shown = |(hz, value): (&f64, &f64)| [view.units.display_frequency(TAU * hz), unit.factor * value];
-        let points =
-            frequency_hz.iter().zip(&density).filter(|(_, value)| **value > 0.0).map(shown).collect();
+        let points = frequency_hz.iter().zip(density).filter(|(_, value)| **value > 0.0).map(shown).collect();
         chart = chart.with_curve(name, view.theme.curves[colour], LineDash::Solid, points);
     }
     chart

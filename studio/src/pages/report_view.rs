@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use counterpoise_plot::{Axis, Colour, Content, Dash, Figure, Mark, Panel, Scale, Series};
 use counterpoise_report::page::{FigureTile, Headline, OutcomeTone, ReportSection, ReportTable};
 use counterpoise_report::{Report, ReportCell, ReportColumn};
-use egui::{Color32, Rect, RichText, Ui, vec2};
+use egui::{Color32, RichText, Ui, vec2};
 
 use super::widgets;
 use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash, PlotAxis};
@@ -25,7 +25,7 @@ const TEXT_WIDTH: f32 = 420.0;
 pub struct FigureClick {
     /// Place of the figure.
     pub figure: usize,
-    /// Coordinates of the click, and of the lower left and upper right corner of the plot.
+    /// Coordinates of the click.
     pub at: [f64; 2],
     /// Width and height of the plot in the same coordinates; logarithmic axes are in decades.
     pub extent: [f64; 2],
@@ -201,10 +201,10 @@ fn show_figures(
     }
     let columns = charts.len().min(MOST_COLUMNS);
     let rows = charts.len().div_ceil(columns);
-    let height = rows as f32 * (PANEL_HEIGHT + space::MEDIUM);
+    let height = rows as f32 * (PANEL_HEIGHT + space::MEDIUM) - space::MEDIUM;
     let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), egui::Sense::hover());
     let mut clicked = None;
-    for ((figure, chart), cell) in charts.iter().zip(cells(area, charts.len(), columns)) {
+    for ((figure, chart), cell) in charts.iter().zip(widgets::cells_of(area, charts.len(), columns)) {
         let shown = widgets::show_chart(ui, view, queue, cell, chart);
         // a click with Shift sets the second cursor
         let is_click = shown.response.clicked() && !ui.input(|input| input.modifiers.shift);
@@ -224,21 +224,8 @@ fn show_figures(
             });
         }
     }
-    ui.add_space(space::SMALL);
+    ui.add_space(space::MEDIUM + space::SMALL);
     clicked
-}
-
-/// Returns the cells of a grid of figures.
-fn cells(area: Rect, count: usize, columns: usize) -> Vec<Rect> {
-    let width = (area.width() - space::MEDIUM * (columns - 1) as f32) / columns as f32;
-    let cell = |k: usize| {
-        let corner = vec2(
-            (width + space::MEDIUM) * (k % columns) as f32,
-            (PANEL_HEIGHT + space::MEDIUM) * (k / columns) as f32,
-        );
-        Rect::from_min_size(area.min + corner, vec2(width, PANEL_HEIGHT))
-    };
-    (0..count).map(cell).collect()
 }
 
 /// Returns the panels of a figure as plots; none of a heat map, which only the page of the report has.

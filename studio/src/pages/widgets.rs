@@ -25,7 +25,8 @@ pub fn grid_cells(area: Rect, count: usize, columns: usize) -> Vec<Rect> {
     cells_of(area, count, columns.min(count.max(1)))
 }
 
-fn cells_of(area: Rect, count: usize, columns: usize) -> Vec<Rect> {
+/// Returns the cells of a grid with so many columns.
+pub fn cells_of(area: Rect, count: usize, columns: usize) -> Vec<Rect> {
     let rows = count.div_ceil(columns);
     let gap = space::MEDIUM;
     let size = vec2(
